@@ -1,0 +1,267 @@
+#include "common/config.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "common/error.h"
+
+namespace rubble::common {
+
+namespace {
+
+constexpr std::array kSections = {"robot",      "slam_lidar", "slam_mono",   "fusion", "recognizer",
+                                  "camera",     "lidar",      "stabilizer",  "ops_console",
+                                  "arena_sim"};
+
+std::size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) {
+    row[j] = j;
+  }
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, substituted}));
+    }
+  }
+  return row.back();
+}
+
+template <typename Names>
+std::string suggestion(const std::string& key, const Names& names) {
+  const auto closer = [&](const auto& a, const auto& b) {
+    return editDistance(key, a) < editDistance(key, b);
+  };
+  const auto best = std::min_element(names.begin(), names.end(), closer);
+  if (best != names.end() && editDistance(key, *best) <= 1 + key.size() / 3) {
+    return fmt::format("; did you mean `{}`?", *best);
+  }
+  return fmt::format("; known here: {}", fmt::join(names, ", "));
+}
+
+std::string placeOf(const std::string& origin, const YAML::Node& node) {
+  const YAML::Mark mark = node.Mark();
+  return mark.is_null() ? origin : fmt::format("{}:{}", origin, mark.line + 1);
+}
+
+/// Keys unknown or given twice are errors that name the place.
+template <typename Names>
+void checkKeys(const YAML::Node& map, const std::string& origin, const std::string& path,
+               const Names& names) {
+  std::vector<std::string> seen;
+  for (const auto& entry : map) {
+    const std::string key = entry.first.Scalar();
+    const std::string place = placeOf(origin, entry.first);
+    if (std::find(names.begin(), names.end(), key) == names.end()) {
+      throw Error(fmt::format("{}: unknown key `{}`{}{}", place, key,
+                              path.empty() ? "" : fmt::format(" in `{}`", path),
+                              suggestion(key, names)));
+    }
+    if (std::find(seen.begin(), seen.end(), key) != seen.end()) {
+      throw Error(fmt::format("{}: key `{}` is given twice", place, key));
+    }
+    seen.push_back(key);
+  }
+}
+
+}  // namespace
+
+void ConfigSection::fail(const Source& source, const YAML::Node& node, const char* key,
+                         const std::string& what) const {
+  throw Error(fmt::format("{}: `{}.{}` {}", placeOf(source.origin, node), path_, key, what));
+}
+
+template <typename T>
+T ConfigSection::as(const Source& source, const YAML::Node& node, const char* key,
+                    const char* expected) const {
+  try {
+    return node.as<T>();
+  } catch (const YAML::Exception&) {
+    fail(source, node, key,
+         fmt::format("must be {}, found `{}`", expected,
+                     node.IsScalar() ? node.Scalar() : std::string("a list or mapping")));
+  }
+}
+
+template <typename Apply>
+void ConfigSection::apply(const char* key, const Apply& apply) {
+  known_.emplace_back(key);
+  for (const Source& source : sources_) {
+    if (const YAML::Node node = source.map[key]) {
+      apply(source, node);
+    }
+  }
+}
+
+void ConfigSection::document(const char* key, const std::string& value, const std::string& comment) {
+  const std::string line = fmt::format("{:{}}{}: {}", "", 2 * depth_, key, value);
+  lines_.push_back(fmt::format("{:<40} # {}\n", line, comment));
+}
+
+void ConfigSection::number(const char* key, double& value, const char* unit, double min, double max,
+                           const char* doc) {
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    value = as<double>(source, node, key, "a number");
+    if (!(value >= min && value <= max)) {
+      fail(source, node, key, fmt::format("= {} is outside {} .. {} {}", value, min, max, unit));
+    }
+  });
+  document(key, fmt::format("{}", value), fmt::format("{} [{} .. {}]: {}", unit, min, max, doc));
+}
+
+void ConfigSection::integer(const char* key, int& value, const char* unit, int min, int max,
+                            const char* doc) {
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    value = as<int>(source, node, key, "a whole number");
+    if (value < min || value > max) {
+      fail(source, node, key, fmt::format("= {} is outside {} .. {} {}", value, min, max, unit));
+    }
+  });
+  document(key, fmt::format("{}", value), fmt::format("{} [{} .. {}]: {}", unit, min, max, doc));
+}
+
+void ConfigSection::flag(const char* key, bool& value, const char* doc) {
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    value = as<bool>(source, node, key, "true or false");
+  });
+  document(key, value ? "true" : "false", doc);
+}
+
+void ConfigSection::text(const char* key, std::string& value, const char* doc) {
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    value = as<std::string>(source, node, key, "a text");
+  });
+  document(key, fmt::format("\"{}\"", value), doc);
+}
+
+void ConfigSection::choice(const char* key, std::string& value,
+                           std::initializer_list<const char*> choices, const char* doc) {
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    value = as<std::string>(source, node, key, "a text");
+    if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
+      fail(source, node, key, fmt::format("= `{}`; choose one of: {}", value, fmt::join(choices, ", ")));
+    }
+  });
+  document(key, value, fmt::format("{}: {}", fmt::join(choices, " | "), doc));
+}
+
+void ConfigSection::numbers(const char* key, std::vector<double>& values, const char* unit,
+                            double min, double max, const char* doc) {
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    auto read = as<std::vector<double>>(source, node, key, "a list of numbers");
+    if (read.size() != values.size()) {
+      fail(source, node, key, fmt::format("must hold {} numbers, found {}", values.size(), read.size()));
+    }
+    for (const double v : read) {
+      if (!(v >= min && v <= max)) {
+        fail(source, node, key, fmt::format("holds {}, outside {} .. {} {}", v, min, max, unit));
+      }
+    }
+    values = std::move(read);
+  });
+  document(key, fmt::format("[{}]", fmt::join(values, ", ")),
+           fmt::format("{} [{} .. {}]: {}", unit, min, max, doc));
+}
+
+ConfigSection& ConfigSection::section(const char* key, const char* doc) {
+  ConfigSection child(path_ + "." + key, depth_ + 1);
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    if (!node.IsMap()) {
+      fail(source, node, key, "must be a mapping of keys to values");
+    }
+    child.sources_.push_back({node, source.origin});
+  });
+  const std::string line = fmt::format("{:{}}{}:", "", 2 * depth_, key);
+  lines_.push_back(fmt::format("{:<40} # {}\n", line, doc));
+  lines_.emplace_back();
+  return children_.emplace_back(std::move(child));
+}
+
+void ConfigSection::rejectUnknownKeys() const {
+  for (const Source& source : sources_) {
+    checkKeys(source.map, source.origin, path_, known_);
+  }
+  for (const ConfigSection& child : children_) {
+    child.rejectUnknownKeys();
+  }
+}
+
+std::string ConfigSection::description() const {
+  std::string text;
+  auto child = children_.begin();
+  for (const std::string& line : lines_) {
+    text += line.empty() ? (child++)->description() : line;
+  }
+  return text;
+}
+
+void Config::addFile(const std::filesystem::path& path) {
+  YAML::Node root;
+  try {
+    root = YAML::LoadFile(path.string());
+  } catch (const YAML::BadFile&) {
+    throw Error(fmt::format("{}: configuration file cannot be read", path.string()));
+  } catch (const YAML::Exception& e) {
+    throw Error(fmt::format("{}:{}: not valid YAML: {}", path.string(), e.mark.line + 1, e.msg));
+  }
+  if (root.IsNull()) {
+    return;
+  }
+  if (!root.IsMap()) {
+    throw Error(fmt::format("{}:1: expected sections such as `slam_lidar:`", path.string()));
+  }
+  checkKeys(root, path.string(), "", kSections);
+  sources_.push_back({root, path.string()});
+}
+
+void Config::addOverride(std::string_view assignment) {
+  const std::string origin = fmt::format("--set {}", assignment);
+  const auto equals = assignment.find('=');
+  const auto dot = assignment.find('.');
+  if (equals == std::string_view::npos || dot == std::string_view::npos || dot > equals) {
+    throw Error(fmt::format("{}: expected component.key=value, e.g. slam_lidar.map.cell_size=0.1", origin));
+  }
+  YAML::Node value;
+  try {
+    value = YAML::Load(std::string(assignment.substr(equals + 1)));
+  } catch (const YAML::Exception& e) {
+    throw Error(fmt::format("{}: the value is not valid YAML: {}", origin, e.msg));
+  }
+  std::string_view keys = assignment.substr(0, equals);
+  while (true) {
+    const auto last = keys.rfind('.');
+    YAML::Node map;
+    map[std::string(keys.substr(last == std::string_view::npos ? 0 : last + 1))] = value;
+    value = map;
+    if (last == std::string_view::npos) {
+      break;
+    }
+    keys = keys.substr(0, last);
+  }
+  checkKeys(value, origin, "", kSections);
+  sources_.push_back({value, origin});
+}
+
+ConfigSection Config::open(const char* name) const {
+  RUBBLE_CHECK(std::find(kSections.begin(), kSections.end(), std::string_view(name)) != kSections.end());
+  ConfigSection root(name, 1);
+  for (const ConfigSection::Source& source : sources_) {
+    const YAML::Node node = source.map[name];
+    if (!node || node.IsNull()) {
+      continue;
+    }
+    if (!node.IsMap()) {
+      throw Error(fmt::format("{}: `{}` must be a mapping of keys to values", placeOf(source.origin, node), name));
+    }
+    root.sources_.push_back({node, source.origin});
+  }
+  return root;
+}
+
+}  // namespace rubble::common

@@ -1,0 +1,76 @@
+#include "common/trajectory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+#include "common/error.h"
+#include "common/files.h"
+
+namespace rubble::common {
+
+namespace {
+
+StampedPose parseTumLine(const std::string& line, const std::filesystem::path& path, int number) {
+  std::istringstream stream(line);
+  double seconds = 0.0;
+  double v[7];
+  stream >> seconds;
+  for (double& value : v) {
+    stream >> value;
+  }
+  if (!stream || !std::isfinite(seconds) || std::abs(seconds) > 9e12) {
+    throw Error(fmt::format("{}:{}: expected `seconds x y z qx qy qz qw`, found `{}`", path.string(),
+                            number, line));
+  }
+  const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+  if (!(q.norm() > 1e-6) || !q.coeffs().allFinite()) {
+    throw Error(fmt::format("{}:{}: the quaternion has no length", path.string(), number));
+  }
+  StampedPose pose;
+  pose.utime = utimeFromSeconds(seconds);
+  pose.T_a_b.linear() = q.normalized().toRotationMatrix();
+  pose.T_a_b.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
+  return pose;
+}
+
+}  // namespace
+
+Trajectory readTum(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  if (!stream) {
+    throw Error(fmt::format("{}: cannot be read", path.string()));
+  }
+  Trajectory trajectory;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') {
+      continue;
+    }
+    trajectory.push_back(parseTumLine(line, path, number));
+  }
+  std::stable_sort(trajectory.begin(), trajectory.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.utime < b.utime; });
+  return trajectory;
+}
+
+void writeTum(const std::filesystem::path& path, const Trajectory& trajectory) {
+  fmt::memory_buffer text;
+  for (const StampedPose& pose : trajectory) {
+    const Eigen::Quaterniond q(pose.T_a_b.linear());
+    const Eigen::Vector3d p = pose.T_a_b.translation();
+    fmt::format_to(std::back_inserter(text),
+                   "{}.{:06d} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                   pose.utime / kMicrosecondsPerSecond, pose.utime % kMicrosecondsPerSecond, p.x(),
+                   p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  writeFileAtomically(path, fmt::to_string(text));
+}
+
+}  // namespace rubble::common

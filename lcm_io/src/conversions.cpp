@@ -1,0 +1,30 @@
+#include "lcm_io/conversions.h"
+
+#include "common/error.h"
+
+namespace rubble::lcm_io {
+
+common::Pose3 poseFromMessage(const double* p, const double* q) {
+  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+  const Eigen::Vector3d translation(p[0], p[1], p[2]);
+  if (!translation.allFinite() || !rotation.coeffs().allFinite() || rotation.norm() < 1e-6) {
+    throw common::Error("pose that is not finite or has a quaternion without length");
+  }
+  common::Pose3 T = common::Pose3::Identity();
+  T.linear() = rotation.normalized().toRotationMatrix();
+  T.translation() = translation;
+  return T;
+}
+
+void poseToMessage(const common::Pose3& T, double* p, double* q) {
+  const Eigen::Quaterniond rotation(T.linear());
+  for (int i = 0; i < 3; ++i) {
+    p[i] = T.translation()[i];
+  }
+  q[0] = rotation.w();
+  q[1] = rotation.x();
+  q[2] = rotation.y();
+  q[3] = rotation.z();
+}
+
+}  // namespace rubble::lcm_io

@@ -1,0 +1,199 @@
+#include "lcm_io/lcm_bus.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <chrono>
+#include <string_view>
+
+#include "common/error.h"
+#include "lcm_io/channels.h"
+
+namespace rubble::lcm_io {
+
+namespace {
+
+constexpr std::size_t kInboxBytes = 64 << 20;
+constexpr std::size_t kUnlistedCapacity = 1000;
+constexpr std::size_t kRememberedHashes = 256;
+constexpr int kLcmQueue = 4096;
+constexpr int kReceiveTimeoutMs = 50;
+constexpr std::chrono::seconds kLongestDrain{2};
+
+std::uint64_t hashOf(ByteView data) {
+  return std::hash<std::string_view>{}({reinterpret_cast<const char*>(data.data()), data.size()});
+}
+
+}  // namespace
+
+LcmBus::LcmBus(const std::string& url, std::string process)
+    : process_(std::move(process)), from_file_(url.starts_with("file://")), lcm_(url) {
+  if (!lcm_.good()) {
+    throw common::Error(fmt::format("--lcm-url {}: LCM cannot open it; the default is {}", url, kDefaultLcmUrl));
+  }
+  if (!from_file_) {
+    receiver_ = std::thread([this] { receive(); });
+  }
+}
+
+LcmBus::~LcmBus() { stopReceiving(); }
+
+void LcmBus::stopReceiving() {
+  stopping_ = true;
+  if (receiver_.joinable()) {
+    receiver_.join();
+  }
+}
+
+void LcmBus::receive() {
+  while (!stopping_) {
+    lcm_.handleTimeout(kReceiveTimeoutMs);
+  }
+  // What this host already holds still counts; steady traffic must not keep us here.
+  const auto deadline = std::chrono::steady_clock::now() + kLongestDrain;
+  while (lcm_.handleTimeout(kReceiveTimeoutMs) > 0 && std::chrono::steady_clock::now() < deadline) {
+  }
+}
+
+void LcmBus::attach(const std::string& channel) {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_.insert(channel);
+  }
+  listen(channel);
+}
+
+void LcmBus::listen(const std::string& channel) {
+  // Two LCM subscriptions that match one channel would bring every message twice.
+  RUBBLE_CHECK(channel != kEveryChannel || listening_.empty());
+  if (listening_.contains(kEveryChannel) || !listening_.insert(channel).second) {
+    return;
+  }
+  lcm_subscription_t* subscription = lcm_subscribe(
+      lcm_.getUnderlyingLCM(), channel.c_str(),
+      [](const lcm_recv_buf_t* buffer, const char* name, void* self) {
+        static_cast<LcmBus*>(self)->onMessage(*buffer, name);
+      },
+      this);
+  RUBBLE_CHECK(subscription != nullptr);
+  lcm_subscription_set_queue_capacity(subscription, kLcmQueue);
+}
+
+bool LcmBus::send(const std::string& channel, Bytes data) {
+  if (from_file_) {
+    return false;
+  }
+  const ChannelInfo* info = findChannel(channel);
+  if (info != nullptr && info->publisher == process_) {
+    listen(channel);
+    const std::lock_guard lock(mutex_);
+    OwnChannel& own = own_[channel];
+    if (own.foreign) {
+      return false;
+    }
+    own.sent.push_back(hashOf(data));
+    if (own.sent.size() > kRememberedHashes) {
+      own.sent.pop_front();
+    }
+  }
+  return lcm_.publish(channel, data.data(), static_cast<unsigned int>(data.size())) == 0;
+}
+
+bool LcmBus::isForeign(const std::string& channel, ByteView data) {
+  const auto own = own_.find(channel);
+  if (own == own_.end()) {
+    return false;
+  }
+  auto& sent = own->second.sent;
+  const auto found = std::find(sent.begin(), sent.end(), hashOf(data));
+  if (found == sent.end()) {
+    return true;
+  }
+  sent.erase(found);
+  return false;
+}
+
+void LcmBus::onMessage(const lcm_recv_buf_t& buffer, const std::string& channel) {
+  const ByteView data(static_cast<const std::uint8_t*>(buffer.data), buffer.data_size);
+  RawMessage message{channel, buffer.recv_utime, Bytes(data.begin(), data.end())};
+  if (from_file_) {
+    file_now_ = message.receive_utime;
+    deliver(message);
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  if (isForeign(channel, data)) {
+    own_[channel].foreign = true;
+  }
+  if (wanted_.contains(channel) || wanted_.contains(kEveryChannel)) {
+    enqueue(std::move(message));
+    arrived_.notify_one();
+  }
+}
+
+void LcmBus::dropOldest(const std::string& channel) {
+  const auto oldest =
+      std::find_if(inbox_.begin(), inbox_.end(), [&](const RawMessage& m) { return m.channel == channel; });
+  RUBBLE_CHECK(oldest != inbox_.end());
+  inbox_bytes_ -= oldest->data.size();
+  --inbox_count_[channel];
+  ++inbox_stats_[channel].dropped;
+  inbox_.erase(oldest);
+}
+
+void LcmBus::enqueue(RawMessage message) {
+  const ChannelInfo* info = findChannel(message.channel);
+  // A listener to everything (the console) is bounded by bytes alone.
+  const std::size_t capacity =
+      wanted_.contains(kEveryChannel) || info == nullptr ? kUnlistedCapacity * 100 : info->queue_capacity;
+  while (inbox_count_[message.channel] >= capacity) {
+    dropOldest(message.channel);
+  }
+  while (!inbox_.empty() && inbox_bytes_ + message.data.size() > kInboxBytes) {
+    dropOldest(std::string(inbox_.front().channel));
+  }
+  inbox_bytes_ += message.data.size();
+  ++inbox_count_[message.channel];
+  inbox_.push_back(std::move(message));
+}
+
+bool LcmBus::dispatch(std::chrono::milliseconds timeout) {
+  if (from_file_) {
+    ended_ = ended_ || lcm_.handle() != 0;
+    return !ended_;
+  }
+  std::unique_lock lock(mutex_);
+  arrived_.wait_for(lock, timeout, [this] { return !inbox_.empty(); });
+  for (const auto& [channel, stats] : inbox_stats_) {
+    noteDropped(channel, stats.dropped);
+  }
+  if (inbox_.empty()) {
+    return false;
+  }
+  const RawMessage message = std::move(inbox_.front());
+  inbox_.pop_front();
+  inbox_bytes_ -= message.data.size();
+  --inbox_count_[message.channel];
+  lock.unlock();
+  deliver(message);
+  return true;
+}
+
+common::Utime LcmBus::now() const {
+  if (from_file_) {
+    return file_now_;
+  }
+  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string LcmBus::conflict() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [channel, own] : own_) {
+    if (own.foreign) {
+      return channel;
+    }
+  }
+  return {};
+}
+
+}  // namespace rubble::lcm_io

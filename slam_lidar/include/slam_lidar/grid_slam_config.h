@@ -1,0 +1,52 @@
+#pragma once
+
+#include "common/config.h"
+
+namespace rubble::slam_lidar {
+
+/// Parameters of GridSlam. Units and meaning of every field are in visit() (grid_slam_config.cpp);
+/// `rubble` prints them as commented YAML.
+struct GridSlamConfig {
+  struct Map {
+    double cell_size = 0.05;
+    int levels = 3;
+    double hit_probability = 0.7;
+    double miss_probability = 0.4;
+    double max_log_odds = 6.0;
+    double write_distance = 0.25;
+    double write_angle = 0.1;
+  } map;
+
+  struct Scan {
+    double min_range = 0.1;
+    double max_range = 30.0;
+    double free_space_range = 15.0;
+    double sweep_duration = 0.0;
+    double height_above_floor = 0.5;
+    double height_below_ceiling = 10.0;
+    double height_margin = 0.1;
+    int min_beams = 20;
+  } scan;
+
+  struct Match {
+    int max_iterations = 12;
+    double range_sigma = 0.03;
+    double lost_score = 0.35;
+    double good_score = 0.55;
+    int verify_scans = 3;
+  } match;
+
+  struct Search {
+    double local_distance = 0.5;
+    double local_angle = 0.6;
+    double wide_distance = 3.0;
+    double wide_angle = 3.2;
+    int wide_period = 4;
+    int give_up_scans = 40;
+  } search;
+};
+
+/// Names every field once: reads, validates and documents it.
+void visit(common::ConfigSection& section, GridSlamConfig& config);
+
+}  // namespace rubble::slam_lidar

@@ -1,0 +1,20 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace rubble::tools {
+
+// One function per subcommand of `rubble`: declares its arguments on `app` and what it runs. A run throws
+// common::Error for bad input; main turns it into one line on stderr and exit status 1.
+void addImportCommand(CLI::App& app);
+void addExportCommand(CLI::App& app);
+void addReplayCommand(CLI::App& app);
+void addPlayCommand(CLI::App& app);
+void addEvalCommand(CLI::App& app);
+void addArenaCommand(CLI::App& app);
+void addDoctorCommand(CLI::App& app);
+void addSpyCommand(CLI::App& app);
+
+}  // namespace rubble::tools
