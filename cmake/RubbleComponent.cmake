@@ -20,3 +20,13 @@ function(rubble_program name)
   target_link_libraries(${name} PRIVATE ${arg_LINK} rubble_warnings)
   install(TARGETS ${name} RUNTIME)
 endfunction()
+
+# rubble_tests(NAME LABEL SOURCES ... LINK ... [DEFINE ...])
+#   One GoogleTest executable; every test in it gets the ctest label unit, integration or system.
+function(rubble_tests name label)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINK;DEFINE" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LINK} rubble_warnings GTest::gmock_main)
+  target_compile_definitions(${name} PRIVATE ${arg_DEFINE})
+  gtest_discover_tests(${name} PROPERTIES LABELS ${label} DISCOVERY_TIMEOUT 60)
+endfunction()

@@ -9,14 +9,14 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/files.h"
 
 namespace rubble::common {
 
 namespace {
 
-constexpr std::array kSections = {"robot",      "slam_lidar", "slam_mono",   "fusion", "recognizer",
-                                  "camera",     "lidar",      "stabilizer",  "ops_console",
-                                  "arena_sim"};
+constexpr std::array kSections = {"robot",  "slam_lidar", "slam_mono",  "fusion",      "recognizer",
+                                  "camera", "lidar",      "stabilizer", "ops_console", "arena_sim"};
 
 std::size_t editDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -45,9 +45,13 @@ std::string suggestion(const std::string& key, const Names& names) {
   return fmt::format("; known here: {}", fmt::join(names, ", "));
 }
 
+constexpr std::string_view kOverride = "--set ";
+
+/// File and line; an override is its own place.
 std::string placeOf(const std::string& origin, const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
-  return mark.is_null() ? origin : fmt::format("{}:{}", origin, mark.line + 1);
+  return mark.is_null() || origin.starts_with(kOverride) ? origin
+                                                         : fmt::format("{}:{}", origin, mark.line + 1);
 }
 
 /// Keys unknown or given twice are errors that name the place.
@@ -60,8 +64,7 @@ void checkKeys(const YAML::Node& map, const std::string& origin, const std::stri
     const std::string place = placeOf(origin, entry.first);
     if (std::find(names.begin(), names.end(), key) == names.end()) {
       throw Error(fmt::format("{}: unknown key `{}`{}{}", place, key,
-                              path.empty() ? "" : fmt::format(" in `{}`", path),
-                              suggestion(key, names)));
+                              path.empty() ? "" : fmt::format(" in `{}`", path), suggestion(key, names)));
     }
     if (std::find(seen.begin(), seen.end(), key) != seen.end()) {
       throw Error(fmt::format("{}: key `{}` is given twice", place, key));
@@ -80,12 +83,15 @@ void ConfigSection::fail(const Source& source, const YAML::Node& node, const cha
 template <typename T>
 T ConfigSection::as(const Source& source, const YAML::Node& node, const char* key,
                     const char* expected) const {
+  if (node.IsNull()) {
+    fail(source, node, key, fmt::format("must be {}, found nothing", expected));
+  }
   try {
     return node.as<T>();
   } catch (const YAML::Exception&) {
     fail(source, node, key,
-         fmt::format("must be {}, found `{}`", expected,
-                     node.IsScalar() ? node.Scalar() : std::string("a list or mapping")));
+         fmt::format("must be {}, found {}", expected,
+                     node.IsScalar() ? fmt::format("`{}`", node.Scalar()) : "a list or mapping"));
   }
 }
 
@@ -137,11 +143,13 @@ void ConfigSection::text(const char* key, std::string& value, const char* doc) {
   apply(key, [&](const Source& source, const YAML::Node& node) {
     value = as<std::string>(source, node, key, "a text");
   });
-  document(key, fmt::format("\"{}\"", value), doc);
+  YAML::Emitter quoted;
+  quoted << YAML::DoubleQuoted << value;
+  document(key, quoted.c_str(), doc);
 }
 
-void ConfigSection::choice(const char* key, std::string& value,
-                           std::initializer_list<const char*> choices, const char* doc) {
+void ConfigSection::choice(const char* key, std::string& value, std::initializer_list<const char*> choices,
+                           const char* doc) {
   apply(key, [&](const Source& source, const YAML::Node& node) {
     value = as<std::string>(source, node, key, "a text");
     if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
@@ -151,8 +159,8 @@ void ConfigSection::choice(const char* key, std::string& value,
   document(key, value, fmt::format("{}: {}", fmt::join(choices, " | "), doc));
 }
 
-void ConfigSection::numbers(const char* key, std::vector<double>& values, const char* unit,
-                            double min, double max, const char* doc) {
+void ConfigSection::numbers(const char* key, std::vector<double>& values, const char* unit, double min,
+                            double max, const char* doc) {
   apply(key, [&](const Source& source, const YAML::Node& node) {
     auto read = as<std::vector<double>>(source, node, key, "a list of numbers");
     if (read.size() != values.size()) {
@@ -172,6 +180,9 @@ void ConfigSection::numbers(const char* key, std::vector<double>& values, const 
 ConfigSection& ConfigSection::section(const char* key, const char* doc) {
   ConfigSection child(path_ + "." + key, depth_ + 1);
   apply(key, [&](const Source& source, const YAML::Node& node) {
+    if (node.IsNull()) {
+      return;
+    }
     if (!node.IsMap()) {
       fail(source, node, key, "must be a mapping of keys to values");
     }
@@ -202,17 +213,20 @@ std::string ConfigSection::description() const {
 }
 
 void Config::addFile(const std::filesystem::path& path) {
-  YAML::Node root;
+  const std::vector<std::uint8_t> bytes = readFile(path);
+  std::vector<YAML::Node> documents;
   try {
-    root = YAML::LoadFile(path.string());
-  } catch (const YAML::BadFile&) {
-    throw Error(fmt::format("{}: configuration file cannot be read", path.string()));
+    documents = YAML::LoadAll(std::string(bytes.begin(), bytes.end()));
   } catch (const YAML::Exception& e) {
     throw Error(fmt::format("{}:{}: not valid YAML: {}", path.string(), e.mark.line + 1, e.msg));
   }
-  if (root.IsNull()) {
+  if (documents.size() > 1) {
+    throw Error(fmt::format("{}: holds {} YAML documents, expected one", path.string(), documents.size()));
+  }
+  if (documents.empty() || documents.front().IsNull()) {
     return;
   }
+  const YAML::Node root = documents.front();
   if (!root.IsMap()) {
     throw Error(fmt::format("{}:1: expected sections such as `slam_lidar:`", path.string()));
   }
@@ -221,7 +235,7 @@ void Config::addFile(const std::filesystem::path& path) {
 }
 
 void Config::addOverride(std::string_view assignment) {
-  const std::string origin = fmt::format("--set {}", assignment);
+  const std::string origin = fmt::format("{}{}", kOverride, assignment);
   const auto equals = assignment.find('=');
   const auto dot = assignment.find('.');
   if (equals == std::string_view::npos || dot == std::string_view::npos || dot > equals) {
@@ -257,7 +271,8 @@ ConfigSection Config::open(const char* name) const {
       continue;
     }
     if (!node.IsMap()) {
-      throw Error(fmt::format("{}: `{}` must be a mapping of keys to values", placeOf(source.origin, node), name));
+      throw Error(
+          fmt::format("{}: `{}` must be a mapping of keys to values", placeOf(source.origin, node), name));
     }
     root.sources_.push_back({node, source.origin});
   }

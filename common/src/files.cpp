@@ -23,10 +23,14 @@ void failCheck(const char* condition, const char* file, int line) {
 
 std::vector<std::uint8_t> readFile(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path)) {
+  if (!stream) {
     throw Error(fmt::format("{}: cannot be read ({})", path.string(), std::strerror(errno)));
   }
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  try {
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  } catch (const std::ios_base::failure& e) {
+    throw Error(fmt::format("{}: cannot be read ({})", path.string(), e.code().message()));
+  }
 }
 
 void writeFileAtomically(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {

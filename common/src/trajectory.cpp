@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstdlib>
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -18,19 +18,20 @@ namespace {
 
 StampedPose parseTumLine(const std::string& line, const std::filesystem::path& path, int number) {
   std::istringstream stream(line);
+  std::string rest;
   double seconds = 0.0;
   double v[7];
   stream >> seconds;
   for (double& value : v) {
     stream >> value;
   }
-  if (!stream || !std::isfinite(seconds) || std::abs(seconds) > 9e12) {
-    throw Error(fmt::format("{}:{}: expected `seconds x y z qx qy qz qw`, found `{}`", path.string(),
-                            number, line));
+  if (!stream || stream >> rest || std::abs(seconds) > 9e12) {
+    throw Error(
+        fmt::format("{}:{}: expected `seconds x y z qx qy qz qw`, found `{}`", path.string(), number, line));
   }
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
-  if (!(q.norm() > 1e-6) || !q.coeffs().allFinite()) {
-    throw Error(fmt::format("{}:{}: the quaternion has no length", path.string(), number));
+  if (!(q.norm() > 1e-6 && q.norm() < 1e6)) {
+    throw Error(fmt::format("{}:{}: the quaternion is far from unit length", path.string(), number));
   }
   StampedPose pose;
   pose.utime = utimeFromSeconds(seconds);
@@ -42,10 +43,8 @@ StampedPose parseTumLine(const std::string& line, const std::filesystem::path& p
 }  // namespace
 
 Trajectory readTum(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  if (!stream) {
-    throw Error(fmt::format("{}: cannot be read", path.string()));
-  }
+  const std::vector<std::uint8_t> bytes = readFile(path);
+  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
   Trajectory trajectory;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
@@ -65,10 +64,10 @@ void writeTum(const std::filesystem::path& path, const Trajectory& trajectory) {
   for (const StampedPose& pose : trajectory) {
     const Eigen::Quaterniond q(pose.T_a_b.linear());
     const Eigen::Vector3d p = pose.T_a_b.translation();
-    fmt::format_to(std::back_inserter(text),
-                   "{}.{:06d} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
-                   pose.utime / kMicrosecondsPerSecond, pose.utime % kMicrosecondsPerSecond, p.x(),
-                   p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+    const Utime magnitude = std::abs(pose.utime);
+    fmt::format_to(std::back_inserter(text), "{}{}.{:06d} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                   pose.utime < 0 ? "-" : "", magnitude / kMicrosecondsPerSecond,
+                   magnitude % kMicrosecondsPerSecond, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
   }
   writeFileAtomically(path, fmt::to_string(text));
 }

@@ -38,9 +38,14 @@ void Bus::deliver(const RawMessage& message) {
   try {
     handler(message);
   } catch (const common::Error& e) {
-    ++stats.errors;
-    stats.last_error = e.what();
+    refuse(message.channel, e.what());
   }
+}
+
+void Bus::refuse(const std::string& channel, const std::string& why) {
+  ChannelStats& stats = received_[channel];
+  ++stats.errors;
+  stats.last_error = why;
 }
 
 void Bus::noteLatency(const std::string& channel, common::Utime utime) {

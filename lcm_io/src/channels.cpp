@@ -34,7 +34,8 @@ constexpr std::array kTable = {
 std::span<const ChannelInfo> channelTable() { return kTable; }
 
 const ChannelInfo* findChannel(std::string_view name) {
-  const auto* row = std::find_if(kTable.begin(), kTable.end(), [&](const ChannelInfo& c) { return c.name == name; });
+  const auto* row =
+      std::find_if(kTable.begin(), kTable.end(), [&](const ChannelInfo& c) { return c.name == name; });
   return row == kTable.end() ? nullptr : row;
 }
 

@@ -7,8 +7,8 @@ namespace rubble::lcm_io {
 common::Pose3 poseFromMessage(const double* p, const double* q) {
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
   const Eigen::Vector3d translation(p[0], p[1], p[2]);
-  if (!translation.allFinite() || !rotation.coeffs().allFinite() || rotation.norm() < 1e-6) {
-    throw common::Error("pose that is not finite or has a quaternion without length");
+  if (!translation.allFinite() || !(rotation.norm() > 1e-6 && rotation.norm() < 1e6)) {
+    throw common::Error("pose that is not finite or whose quaternion is far from unit length");
   }
   common::Pose3 T = common::Pose3::Identity();
   T.linear() = rotation.normalized().toRotationMatrix();

@@ -23,7 +23,9 @@ std::int64_t residentBytes() {
 double cpuSeconds() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
@@ -59,15 +61,19 @@ rubble::health_t HealthReporter::report(Bus& bus, const NodeStatus& status) {
       c.count = stats.count;
       c.dropped = stats.dropped;
       c.errors = stats.errors;
-      c.rate_hz = interval > 0.0 ? static_cast<float>(static_cast<double>(stats.count - before.count) / interval) : 0.0F;
-      c.latency_mean_ms = stats.latency_count > 0
-                              ? static_cast<float>(stats.latency_sum_ms / static_cast<double>(stats.latency_count))
-                              : std::numeric_limits<float>::quiet_NaN();
+      c.rate_hz = interval > 0.0
+                      ? static_cast<float>(static_cast<double>(stats.count - before.count) / interval)
+                      : 0.0F;
+      c.latency_mean_ms =
+          stats.latency_count > 0
+              ? static_cast<float>(stats.latency_sum_ms / static_cast<double>(stats.latency_count))
+              : std::numeric_limits<float>::quiet_NaN();
       c.latency_max_ms = static_cast<float>(stats.latency_max_ms);
       health.channels.push_back(c);
       if (stats.errors > before.errors) {
         degrade(health, rubble::health_t::LEVEL_DEGRADED,
-                fmt::format("{} messages refused on {}: {}", stats.errors - before.errors, channel, stats.last_error));
+                fmt::format("{} messages refused on {}: {}", stats.errors - before.errors, channel,
+                            stats.last_error));
       }
       if (stats.dropped > before.dropped && direction == rubble::channel_health_t::RECEIVED) {
         degrade(health, rubble::health_t::LEVEL_DEGRADED,
@@ -84,9 +90,10 @@ rubble::health_t HealthReporter::report(Bus& bus, const NodeStatus& status) {
 
   if (const std::string channel = bus.conflict(); !channel.empty()) {
     degrade(health, rubble::health_t::LEVEL_ERROR,
-            fmt::format("another process publishes {}: stopped publishing it; stop the other one (replaying a log? "
-                        "`rubble play` feeds sources only), then restart this one",
-                        channel));
+            fmt::format(
+                "another process publishes {}: stopped publishing it; stop the other one (replaying a log? "
+                "`rubble play` feeds sources only), then restart this one",
+                channel));
   }
   for (const auto& [name, count] : status.counters) {
     rubble::counter_t counter;

@@ -34,7 +34,7 @@ Udpm parseUdpm(const std::string& url) {
 }
 
 HostCheck checkMulticastRoute(const std::string& group) {
-  HostCheck check{"multicast route", false, {}};
+  HostCheck check{"multicast route", false, true, {}};
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -42,8 +42,8 @@ HostCheck checkMulticastRoute(const std::string& group) {
   if (::inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) {
     check.text = fmt::format("{} is no IPv4 address", group);
   } else if (fd < 0 || ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    check.text = fmt::format("no route to {} ({}); fix: ip link set lo up && ip route add 224.0.0.0/4 dev lo", group,
-                             std::strerror(errno));
+    check.text = fmt::format("no route to {} ({}); fix: ip link set lo up && ip route add 224.0.0.0/4 dev lo",
+                             group, std::strerror(errno));
   } else {
     check.ok = true;
     check.text = fmt::format("{} has a route", group);
@@ -56,16 +56,18 @@ HostCheck checkMulticastRoute(const std::string& group) {
 
 HostCheck checkReceiveBuffer(int wanted) {
   constexpr const char* kPath = "/proc/sys/net/core/rmem_max";
-  HostCheck check{"receive buffer", false, {}};
+  HostCheck check{"receive buffer", false, false, {}};
   int granted = 0;
   std::ifstream(kPath) >> granted;
   if (wanted <= 0) {
-    check.text = "the LCM URL asks for no recv_buf_size, messages over 200 kB will be lost; "
-                 "fix: add recv_buf_size=4194304 to --lcm-url";
+    check.text =
+        "the LCM URL asks for no recv_buf_size, messages over 200 kB will be lost; "
+        "fix: add recv_buf_size=4194304 to --lcm-url";
   } else if (granted < wanted) {
-    check.text = fmt::format("the kernel grants {} of {} bytes, large messages will be lost; "
-                             "fix: sysctl -w net.core.rmem_max=8388608",
-                             granted, wanted);
+    check.text = fmt::format(
+        "the kernel grants {} of {} bytes, large messages will be lost; "
+        "fix: sysctl -w net.core.rmem_max=8388608",
+        granted, wanted);
   } else {
     check.ok = true;
     check.text = fmt::format("the kernel grants {} bytes", wanted);

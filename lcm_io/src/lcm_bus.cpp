@@ -1,12 +1,14 @@
 #include "lcm_io/lcm_bus.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
 #include <string_view>
 
 #include "common/error.h"
 #include "lcm_io/channels.h"
+#include "lcm_io/host_checks.h"
 
 namespace rubble::lcm_io {
 
@@ -14,10 +16,26 @@ namespace {
 
 constexpr std::size_t kInboxBytes = 64 << 20;
 constexpr std::size_t kUnlistedCapacity = 1000;
-constexpr std::size_t kRememberedHashes = 256;
 constexpr int kLcmQueue = 4096;
+constexpr std::size_t kRememberedHashes = kLcmQueue;
 constexpr int kReceiveTimeoutMs = 50;
 constexpr std::chrono::seconds kLongestDrain{2};
+
+common::Utime clockNow() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Why LCM does not take the URL, as far as the host explains it.
+std::string explainRefusal(const std::string& url) {
+  for (const HostCheck& check : checkHost(url)) {
+    if (!check.ok && check.fatal) {
+      return check.text;
+    }
+  }
+  return fmt::format("the default is {}", kDefaultLcmUrl);
+}
 
 std::uint64_t hashOf(ByteView data) {
   return std::hash<std::string_view>{}({reinterpret_cast<const char*>(data.data()), data.size()});
@@ -27,8 +45,9 @@ std::uint64_t hashOf(ByteView data) {
 
 LcmBus::LcmBus(const std::string& url, std::string process)
     : process_(std::move(process)), from_file_(url.starts_with("file://")), lcm_(url) {
-  if (!lcm_.good()) {
-    throw common::Error(fmt::format("--lcm-url {}: LCM cannot open it; the default is {}", url, kDefaultLcmUrl));
+  // The file descriptor needs the receiving socket, so that nothing is missed from here on.
+  if (!lcm_.good() || lcm_.getFileno() < 0) {
+    throw common::Error(fmt::format("--lcm-url {}: LCM cannot open it; {}", url, explainRefusal(url)));
   }
   if (!from_file_) {
     receiver_ = std::thread([this] { receive(); });
@@ -38,7 +57,10 @@ LcmBus::LcmBus(const std::string& url, std::string process)
 LcmBus::~LcmBus() { stopReceiving(); }
 
 void LcmBus::stopReceiving() {
-  stopping_ = true;
+  if (!stopping_) {
+    stop_utime_ = clockNow();
+    stopping_ = true;
+  }
   if (receiver_.joinable()) {
     receiver_.join();
   }
@@ -48,9 +70,12 @@ void LcmBus::receive() {
   while (!stopping_) {
     lcm_.handleTimeout(kReceiveTimeoutMs);
   }
-  // What this host already holds still counts; steady traffic must not keep us here.
+  // What this host already holds still counts; steady traffic must not keep us here. The margin is for
+  // messages between kernel and LCM, the deadline for a clock that is set back.
+  const common::Utime last_utime = stop_utime_ + 1000 * kReceiveTimeoutMs;
   const auto deadline = std::chrono::steady_clock::now() + kLongestDrain;
-  while (lcm_.handleTimeout(kReceiveTimeoutMs) > 0 && std::chrono::steady_clock::now() < deadline) {
+  while (lcm_.handleTimeout(kReceiveTimeoutMs) > 0 && newest_utime_ <= last_utime &&
+         std::chrono::steady_clock::now() < deadline) {
   }
 }
 
@@ -115,12 +140,12 @@ bool LcmBus::isForeign(const std::string& channel, ByteView data) {
 void LcmBus::onMessage(const lcm_recv_buf_t& buffer, const std::string& channel) {
   const ByteView data(static_cast<const std::uint8_t*>(buffer.data), buffer.data_size);
   RawMessage message{channel, buffer.recv_utime, Bytes(data.begin(), data.end())};
+  const std::lock_guard lock(mutex_);
   if (from_file_) {
-    file_now_ = message.receive_utime;
-    deliver(message);
+    inbox_.push_back(std::move(message));
     return;
   }
-  const std::lock_guard lock(mutex_);
+  newest_utime_ = message.receive_utime;
   if (isForeign(channel, data)) {
     own_[channel].foreign = true;
   }
@@ -159,6 +184,11 @@ void LcmBus::enqueue(RawMessage message) {
 bool LcmBus::dispatch(std::chrono::milliseconds timeout) {
   if (from_file_) {
     ended_ = ended_ || lcm_.handle() != 0;
+    // Not inside LCM's callback: a handler may throw, and LCM is C.
+    for (; !inbox_.empty(); inbox_.pop_front()) {
+      file_now_ = inbox_.front().receive_utime;
+      deliver(inbox_.front());
+    }
     return !ended_;
   }
   std::unique_lock lock(mutex_);
@@ -178,13 +208,7 @@ bool LcmBus::dispatch(std::chrono::milliseconds timeout) {
   return true;
 }
 
-common::Utime LcmBus::now() const {
-  if (from_file_) {
-    return file_now_;
-  }
-  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
+common::Utime LcmBus::now() const { return from_file_ ? file_now_ : clockNow(); }
 
 std::string LcmBus::conflict() const {
   const std::lock_guard lock(mutex_);

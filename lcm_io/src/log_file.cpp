@@ -35,6 +35,13 @@ void appendBigEndian(Bytes& out, T value) {
   }
 }
 
+bool isHeader(const std::uint8_t* p) {
+  const auto channel_bytes = readBigEndian<std::int32_t>(p + 20);
+  return readBigEndian<std::uint32_t>(p) == kSyncWord && channel_bytes > 0 &&
+         channel_bytes <= static_cast<std::int32_t>(kLongestChannel) &&
+         readBigEndian<std::int32_t>(p + 24) >= 0;
+}
+
 }  // namespace
 
 LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
@@ -55,20 +62,28 @@ LogReader::LogReader(const std::filesystem::path& path) : path_(path) {
 }
 
 std::optional<LogEvent> LogReader::next() {
+  if (truncated_) {
+    return std::nullopt;
+  }
   std::array<std::uint8_t, kHeaderBytes> header{};
   const std::size_t n = std::fread(header.data(), 1, header.size(), file_.get());
   if (n < header.size()) {
     truncated_ = n > 0;
     return std::nullopt;
   }
+  if (!isHeader(header.data())) {
+    throw common::Error(
+        fmt::format("{}: damaged at byte {}: no event starts there", path_.string(), position_));
+  }
   const auto channel_bytes = readBigEndian<std::int32_t>(header.data() + 20);
   const auto data_bytes = readBigEndian<std::int32_t>(header.data() + 24);
-  if (readBigEndian<std::uint32_t>(header.data()) != kSyncWord || channel_bytes <= 0 ||
-      channel_bytes > static_cast<std::int32_t>(kLongestChannel) || data_bytes < 0) {
-    throw common::Error(fmt::format("{}: damaged at byte {}: no event starts there", path_.string(), position_));
-  }
   const std::int64_t end = position_ + static_cast<std::int64_t>(kHeaderBytes) + channel_bytes + data_bytes;
   if (end > size_) {
+    if (anotherHeaderFollows()) {
+      throw common::Error(
+          fmt::format("{}: damaged at byte {}: its event is longer than the log, yet others follow",
+                      path_.string(), position_));
+    }
     truncated_ = true;
     return std::nullopt;
   }
@@ -83,6 +98,27 @@ std::optional<LogEvent> LogReader::next() {
   }
   position_ = end;
   return event;
+}
+
+bool LogReader::anotherHeaderFollows() {
+  // What a writer appends meanwhile is none of ours.
+  std::int64_t left = size_ - position_ - static_cast<std::int64_t>(kHeaderBytes);
+  Bytes window;
+  std::array<std::uint8_t, kFlushBytes> chunk{};
+  while (left > 0) {
+    const std::size_t wanted = std::min(chunk.size(), static_cast<std::size_t>(left));
+    const std::size_t n = std::fread(chunk.data(), 1, wanted, file_.get());
+    left = n < wanted ? 0 : left - static_cast<std::int64_t>(n);
+    window.insert(window.end(), chunk.data(), chunk.data() + n);
+    std::size_t at = 0;
+    for (; at + kHeaderBytes <= window.size(); ++at) {
+      if (isHeader(window.data() + at)) {
+        return true;
+      }
+    }
+    window.erase(window.begin(), window.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  return false;
 }
 
 LogWriter::LogWriter(const std::filesystem::path& path) : path_(path) {
@@ -103,6 +139,9 @@ LogWriter::~LogWriter() {
 
 void LogWriter::write(common::Utime utime, const std::string& channel, ByteView data) {
   RUBBLE_CHECK(!channel.empty() && channel.size() <= kLongestChannel);
+  if (buffer_.size() >= kFlushBytes) {
+    flushBuffer();
+  }
   const std::size_t before = buffer_.size();
   appendBigEndian(buffer_, kSyncWord);
   appendBigEndian(buffer_, number_++);
@@ -112,9 +151,6 @@ void LogWriter::write(common::Utime utime, const std::string& channel, ByteView 
   buffer_.insert(buffer_.end(), channel.begin(), channel.end());
   buffer_.insert(buffer_.end(), data.begin(), data.end());
   bytes_ += static_cast<std::int64_t>(buffer_.size() - before);
-  if (buffer_.size() >= kFlushBytes) {
-    flushBuffer();
-  }
 }
 
 void LogWriter::flushBuffer() {
@@ -128,7 +164,8 @@ void LogWriter::flushBuffer() {
       const int error = errno;
       // What reached the file stays; the rest is still in the buffer for another try.
       buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(done));
-      throw common::Error(fmt::format("{}: log cannot be written ({})", path_.string(), std::strerror(error)));
+      throw common::Error(
+          fmt::format("{}: log cannot be written ({})", path_.string(), std::strerror(error)));
     }
     done += static_cast<std::size_t>(n);
   }

@@ -44,10 +44,14 @@ void installSignalHandlers() {
 class Reporter {
  public:
   Reporter(const char* name, Bus& bus, std::string host_warnings)
-      : bus_(bus), reporter_(name, bus.now()), next_utime_(bus.now()), host_warnings_(std::move(host_warnings)) {}
+      : bus_(bus),
+        reporter_(name, bus.now()),
+        next_utime_(bus.now()),
+        host_warnings_(std::move(host_warnings)) {}
 
   void reportWhenDue(const Node& node) {
-    if (bus_.now() >= next_utime_) {
+    // Due, too, when the clock was set back.
+    if (const common::Utime now = bus_.now(); now >= next_utime_ || now < next_utime_ - 2 * kReportInterval) {
       report(node);
     }
   }
@@ -63,7 +67,8 @@ class Reporter {
     next_utime_ = bus_.now() + kReportInterval;
     const std::string line = health.detail.empty() ? health.state : health.state + ": " + health.detail;
     if (line != last_line_) {
-      spdlog::log(health.level == rubble::health_t::LEVEL_OK ? spdlog::level::info : spdlog::level::warn, "{}", line);
+      spdlog::log(health.level == rubble::health_t::LEVEL_OK ? spdlog::level::info : spdlog::level::warn,
+                  "{}", line);
       last_line_ = line;
     }
     ::sd_notifyf(0, "WATCHDOG=1\nSTATUS=%s", line.c_str());
@@ -113,11 +118,17 @@ void run(const Options& options, const common::Config& config, const ProcessDesc
 int runProcess(int argc, char** argv, const ProcessDescription& description) {
   Options options;
   CLI::App app(description.purpose);
-  app.add_option("--lcm-url", options.lcm_url, "The bus: udpm://..., memq://, or file://LOG?speed=0")->capture_default_str();
-  app.add_option("--config", options.config_files, "YAML with sections named after components; later files win");
-  app.add_option("--set", options.overrides, "One value, e.g. --set slam_lidar.map.cell_size=0.1");
-  app.add_option("--state-dir", options.state_dir, "Folder for what must survive the process; none: nothing is kept");
-  app.add_flag("--print-config", options.print_config, "Print the effective configuration with units and exit");
+  app.add_option("--lcm-url", options.lcm_url, "The bus: udpm://..., memq://, or file://LOG?speed=0")
+      ->capture_default_str();
+  app.add_option("--config", options.config_files,
+                 "YAML with sections named after components; later files win")
+      ->allow_extra_args(false);
+  app.add_option("--set", options.overrides, "One value, e.g. --set slam_lidar.map.cell_size=0.1")
+      ->allow_extra_args(false);
+  app.add_option("--state-dir", options.state_dir,
+                 "Folder for what must survive the process; none: nothing is kept");
+  app.add_flag("--print-config", options.print_config,
+               "Print the effective configuration with units and exit");
   app.footer(fmt::format("Example:\n  {} --config config/robot.yaml --state-dir /tmp/rubble\n", argv[0]));
   try {
     app.parse(argc, argv);

@@ -34,9 +34,15 @@ ReplayHub::~ReplayHub() = default;
 
 Bus& ReplayHub::endpoint() { return *endpoints_.emplace_back(std::make_unique<Endpoint>(*this)); }
 
+void ReplayHub::advanceTo(common::Utime utime) { now_ = std::max(now_, utime); }
+
 void ReplayHub::feed(const RawMessage& message) {
-  now_ = std::max(now_, message.receive_utime);
+  advanceTo(message.receive_utime);
   pending_.push_back(message);
+  deliverPending();
+}
+
+void ReplayHub::deliverPending() {
   while (!pending_.empty()) {
     const RawMessage next = std::move(pending_.front());
     pending_.pop_front();

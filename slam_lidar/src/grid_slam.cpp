@@ -1,126 +1,380 @@
 #include "slam_lidar/grid_slam.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
-#include <Eigen/Dense>
 
 #include "common/error.h"
-#include "gauss_newton.h"
-#include "scan_projector.h"
-#include "scan_writer.h"
-#include "tiled_grid.h"
+#include "common/files.h"
+#include "grid_map.h"
+#include "scan_matcher.h"
 #include "tuning.h"
 
 namespace rubble::slam_lidar {
 namespace {
+
+constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
+/// Oldest pending scans beyond this many are written off, should nobody commit or discard them.
+constexpr std::size_t kMaxPending = 256;
+/// A longer gap says nothing about how fast the robot is now.
+constexpr double kMaxCoasting = 0.6;
+
 struct PendingScan {
   common::Utime utime = 0;
   common::Pose2 T_world_lidar;
   std::vector<RayEnd> rays;
 };
 
-double quality(const MatchSums& s) { return s.agree - TUNE(CW, 1.0) * s.contradict; }
+bool finite(const common::Pose2& T) {
+  return std::isfinite(T.x) && std::isfinite(T.y) && std::isfinite(T.yaw);
+}
+
+bool finite(const Attitude& a) { return std::isfinite(a.roll) && std::isfinite(a.pitch); }
+
 }  // namespace
 
-struct GridSlam::State {
-  explicit State(const GridSlamConfig& c) : config(c), projector(c.scan), writer(c) {
-    for (int i = 0; i < c.map.levels; ++i) {
-      levels.emplace_back(c.map.cell_size * (1 << i), c.scan.max_range + 2.0);
-    }
-  }
-  GridSlamConfig config;
-  std::vector<TiledGrid> levels;
-  ScanProjector projector;
-  ScanWriter writer;
-  ProjectedScan scan;
-  std::optional<common::Utime> last_utime;
+/// What a checkpoint holds as plain values, apart from map and pending scans.
+struct Tracking {
+  std::optional<common::Utime> utime;
   common::Pose2 T_world_lidar;
   common::Pose2 T_world_written;
-  Eigen::Vector3d twist = Eigen::Vector3d::Zero();
-  std::uint64_t revision = 0;
+  std::array<double, 3> twist{};  ///< m/s, m/s, rad/s in the LiDAR's level frame
+  double expected_score = 0.0;    ///< running mean of the score
+  double search_distance = 0.0;   ///< of the window when lost
+  double search_angle = 0.0;
+  int lost_scans = 0;
+  int unverified = 0;  ///< good matches still needed before scans are written again
+  bool lost = false;
+};
+
+struct GridSlam::State {
+  explicit State(const GridSlamConfig& c) : config(c), map(c), projector(c.scan), matcher(c) {}
+
+  GridSlamConfig config;
+  GridMap map;
+  ScanProjector projector;
+  ScanMatcher matcher;
+  ProjectedScan scan;
+  Tracking tracking;
   std::deque<PendingScan> pending;
 
-  void write(const common::Pose2& T, std::span<const RayEnd> rays) {
-    ++revision;
-    for (auto& l : levels) {
-      l.recentre(T.translation());
-      writer.write(l, T, rays, revision);
-    }
-    T_world_written = T;
+  void checkInput(const ScanInput& input) const;
+  double secondsSinceLast(common::Utime utime) const {
+    return tracking.utime ? common::secondsFromUtime(utime - *tracking.utime) : 0.0;
   }
+  common::Pose2 coast(double dt) const {
+    const double t = std::min(dt, kMaxCoasting);
+    return tracking.T_world_lidar *
+           common::Pose2{TUNE(DAMP,1)*tracking.twist[0] * t, TUNE(DAMP,1)*tracking.twist[1] * t, TUNE(DAMPY,1)*tracking.twist[2] * t};
+  }
+  void loseTrack() {
+    if (!tracking.lost) {
+      tracking.lost = true;
+      tracking.lost_scans = 0;
+      tracking.search_distance = config.search.wide_distance;
+      tracking.search_angle = config.search.wide_angle;
+    }
+    tracking.twist = {};
+  }
+  void moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d* H = nullptr);
+  void match(const ScanInput& input, const common::Pose2& T_world_predicted, double dt, ScanResult& result);
+  void writeIfDue(const ScanInput& input, ScanResult& result);
 };
+
+void GridSlam::State::checkInput(const ScanInput& input) const {
+  if (tracking.utime && input.scan.utime <= *tracking.utime) {
+    throw common::Error("scan: its time does not lie after the last one's");
+  }
+  if (!std::isfinite(input.scan.first_angle) || !std::isfinite(input.scan.angle_step) ||
+      input.scan.angle_step == 0.0) {
+    throw common::Error("scan: first angle or angle step is no number, or the step is zero");
+  }
+  if (!finite(input.attitude_first) || !finite(input.attitude_last)) {
+    throw common::Error("scan: the attitude is not finite");
+  }
+  if (input.prior && !finite(input.prior->T_previous_now)) {
+    throw common::Error("scan: the motion prior is not finite");
+  }
+}
+
+void GridSlam::State::moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d* H) {
+  if (dt > 0.0) {
+    const common::Pose2 T_previous_now = tracking.T_world_lidar.inverse() * T_world_lidar;
+    const std::array<double, 3> now = {T_previous_now.x / dt, T_previous_now.y / dt, T_previous_now.yaw / dt};
+    Eigen::Matrix2d K = TUNE(ALPHA, 0.3) * Eigen::Matrix2d::Identity();
+    if (H) {
+      const Eigen::Matrix2d Hs = H->topLeftCorner<2, 2>() - H->topRightCorner<2, 1>() * H->bottomLeftCorner<1, 2>() / ((*H)(2, 2) + 1e-9);
+      const Eigen::Matrix2d G = Hs * (Hs + TUNE(GAM, 3.0) * scan.points.totalWeight() * Eigen::Matrix2d::Identity()).inverse();
+      const Eigen::Matrix2d R = Eigen::Rotation2Dd(tracking.T_world_lidar.yaw).toRotationMatrix();
+      K += (TUNE(ALPHA1, 1.0) - TUNE(ALPHA, 0.3)) * R.transpose() * G * R;
+    } else K.setIdentity();
+    const Eigen::Vector2d dv = K * Eigen::Vector2d(now[0] - tracking.twist[0], now[1] - tracking.twist[1]);
+    tracking.twist[0] += dv.x(); tracking.twist[1] += dv.y();
+    tracking.twist[2] += TUNE(ALPHAY, 1.0) * (now[2] - tracking.twist[2]);
+    const double speed = std::hypot(tracking.twist[0], tracking.twist[1]);
+    if (speed > TUNE(VMAX, 2.0)) { tracking.twist[0] *= TUNE(VMAX, 2.0) / speed; tracking.twist[1] *= TUNE(VMAX, 2.0) / speed; }
+  }
+  tracking.T_world_lidar = T_world_lidar;
+}
+
+void GridSlam::State::match(const ScanInput& input, const common::Pose2& T_world_predicted, double dt,
+                            ScanResult& result) {
+  ScanMatch found;
+  if (!tracking.lost) {
+    const std::array<common::Pose2, 3> all = {T_world_predicted, coast(dt), tracking.T_world_lidar};
+    const std::span<const common::Pose2> seeds =
+        input.prior ? std::span(all) : std::span(all).subspan(1);
+    const SearchWindow window{T_world_predicted, config.search.local_distance, config.search.local_angle};
+    found = matcher.track(map.levels(), scan.points, seeds, window, TUNE(EXPF, 0.85) * tracking.expected_score);
+    tracking.expected_score += 0.1 * (found.score - tracking.expected_score);
+  } else {
+    found.search = SearchKind::kNone;
+    if (tracking.lost_scans % config.search.wide_period == 0) {
+      const SearchWindow window{T_world_predicted, tracking.search_distance, tracking.search_angle};
+      found = matcher.search(map.levels(), scan.points, window);
+      found.search = SearchKind::kWide;
+    }
+  }
+  result.search = found.search;
+  result.score = found.score;
+  const bool enough = found.score >= (tracking.lost ? config.match.good_score : config.match.lost_score);
+  if (enough) {
+    if (tracking.lost) {
+      tracking.lost = false;
+      tracking.unverified = config.match.verify_scans;
+      tracking.T_world_lidar = found.match.T_world_lidar;
+      tracking.twist = {};
+      tracking.expected_score = found.score;
+    } else {
+      moveTo(found.match.T_world_lidar, dt, &found.match.sums.H);
+      tracking.unverified = std::max(0, tracking.unverified - 1);
+    }
+    result.matched = true;
+    result.status = tracking.unverified == 0 ? MatchStatus::kGood : MatchStatus::kUncertain;
+    result.covariance = matchCovariance(found.match.sums, scan.points.totalWeight(),
+                                        map.finest().cellSize());
+  } else {
+    loseTrack();
+    tracking.T_world_lidar = T_world_predicted;
+    if (++tracking.lost_scans > config.search.give_up_scans) {
+      tracking.lost = false;
+      tracking.unverified = 0;
+      tracking.expected_score = 0.0;
+      result.matched = true;
+      result.status = MatchStatus::kGood;
+    }
+  }
+}
+
+void GridSlam::State::writeIfDue(const ScanInput& input, ScanResult& result) {
+  if (input.mode != ScanMode::kMatchAndWrite || input.attitude_extrapolated ||
+      result.status != MatchStatus::kGood) {
+    return;
+  }
+  const common::Pose2 moved = tracking.T_world_written.inverse() * tracking.T_world_lidar;
+  const bool first = map.empty() && pending.empty();
+  if (!first && moved.translation().norm() < config.map.write_distance &&
+      std::abs(moved.yaw) < config.map.write_angle) {
+    return;
+  }
+  tracking.T_world_written = tracking.T_world_lidar;
+  // Nothing can be matched before the first scan is there: it isn't held.
+  if (input.hold_write && !first) {
+    if (pending.size() == kMaxPending) {
+      pending.pop_front();
+    }
+    pending.push_back({input.scan.utime, tracking.T_world_lidar, scan.rays});
+    result.pending = true;
+  } else {
+    map.write(tracking.T_world_lidar, scan.rays);
+    result.written = true;
+  }
+}
 
 GridSlam::GridSlam(const GridSlamConfig& config, const common::Pose2& T_world_lidar)
     : state_(std::make_unique<State>(config)) {
-  state_->T_world_lidar = T_world_lidar;
+  state_->tracking.T_world_lidar = T_world_lidar;
 }
+
 GridSlam::GridSlam(std::unique_ptr<State> state) : state_(std::move(state)) {}
 GridSlam::~GridSlam() = default;
 GridSlam::GridSlam(GridSlam&&) noexcept = default;
 GridSlam& GridSlam::operator=(GridSlam&&) noexcept = default;
 
-ScanResult GridSlam::addScan(const ScanInput& in) {
+ScanResult GridSlam::addScan(const ScanInput& input) {
   State& s = *state_;
-  ScanResult r;
-  r.utime = in.scan.utime;
-  if (s.last_utime && in.scan.utime <= *s.last_utime) throw common::Error("time");
-  const double dt = s.last_utime ? (in.scan.utime - *s.last_utime) * 1e-6 : 0.0;
-  s.last_utime = in.scan.utime;
-  s.projector.project(in.scan, in.attitude_first, in.attitude_last, s.twist, s.scan);
-  r.beams_used = (int)s.scan.points.size();
-  if (r.beams_used < s.config.scan.min_beams) { r.T_world_lidar = s.T_world_lidar; return r; }
-  if (s.revision == 0) {
-    s.write(s.T_world_lidar, s.scan.rays);
-    r.T_world_lidar = s.T_world_lidar;
-    r.status = MatchStatus::kGood;
-    return r;
-  }
-  common::Pose2 pred;
-  if (in.prior) {
-    pred = s.T_world_lidar * in.prior->T_previous_now;
+  s.checkInput(input);
+  const double dt = s.secondsSinceLast(input.scan.utime);
+  const common::Pose2 T_world_predicted =
+      input.prior ? s.tracking.T_world_lidar * input.prior->T_previous_now : s.coast(dt);
+  s.tracking.utime = input.scan.utime;
+  ScanResult result;
+  result.utime = input.scan.utime;
+  result.covariance = Eigen::Matrix3d::Identity();
+
+  const Eigen::Vector3d twist(s.tracking.twist[0], s.tracking.twist[1], s.tracking.twist[2]);
+  s.projector.project(input.scan, input.attitude_first, input.attitude_last, twist, s.scan);
+  result.beams_used = static_cast<int>(s.scan.points.size());
+  const bool usable = result.beams_used >= s.config.scan.min_beams;
+
+  if (input.mode == ScanMode::kIgnore) {
+    s.tracking.T_world_lidar = input.prior ? T_world_predicted : s.tracking.T_world_lidar;
+    s.loseTrack();
+  } else if (!usable) {
+    s.tracking.T_world_lidar = T_world_predicted;
+  } else if (s.map.empty()) {
+    s.tracking.lost = false;
+    s.tracking.T_world_lidar = T_world_predicted;
+    result.matched = true;
+    result.score = 1.0;
+    result.status = MatchStatus::kGood;
+    result.covariance = 1e-6 * Eigen::Matrix3d::Identity();
   } else {
-    const Eigen::Vector3d d = s.twist * dt * TUNE(DAMP, 0.9);
-    pred = s.T_world_lidar * common::Pose2{d.x(), d.y(), d.z()};
+    s.map.recentre(T_world_predicted.translation());
+    s.match(input, T_world_predicted, dt, result);
   }
-  for (auto& l : s.levels) l.recentre(pred.translation());
-  Match best = alignScan(s.levels, s.scan.points, pred, s.config.match.max_iterations);
-  if (!in.prior) {
-    const double st = TUNE(YSTEP, 0.12);
-    const int ny = (int)TUNE(NY, 3);
-    for (int k = -ny; k <= ny; ++k) {
-      if (k == 0) continue;
-      common::Pose2 seed = pred;
-      seed.yaw += k * st;
-      Match m = alignScan(s.levels, s.scan.points, seed, s.config.match.max_iterations);
-      if (quality(m.sums) > quality(best.sums)) { best = m; r.search = SearchKind::kLocal; }
+  if (input.attitude_extrapolated) {
+    result.covariance *= 4.0;
+  }
+  s.writeIfDue(input, result);
+  result.T_world_lidar = s.tracking.T_world_lidar;
+  return result;
+}
+
+void GridSlam::relocalise(const common::Pose2& T_world_lidar, double distance, double angle) {
+  Tracking& t = state_->tracking;
+  state_->loseTrack();
+  t.T_world_lidar = T_world_lidar;
+  t.lost_scans = 0;
+  t.search_distance = distance;
+  t.search_angle = angle;
+}
+
+int GridSlam::commitUntil(common::Utime until) {
+  int count = 0;
+  for (auto& pending = state_->pending; !pending.empty() && pending.front().utime <= until; pending.pop_front()) {
+    state_->map.write(pending.front().T_world_lidar, pending.front().rays);
+    ++count;
+  }
+  return count;
+}
+
+int GridSlam::discardPending(common::Utime from) {
+  int count = 0;
+  for (auto& pending = state_->pending; !pending.empty() && pending.back().utime >= from; pending.pop_back()) {
+    ++count;
+  }
+  return count;
+}
+
+std::size_t GridSlam::pendingCount() const { return state_->pending.size(); }
+
+double GridSlam::cellSize() const { return state_->map.finest().cellSize(); }
+
+std::uint64_t GridSlam::mapRevision() const { return state_->map.revision(); }
+
+std::vector<TileInfo> GridSlam::tiles() const {
+  const TiledGrid& grid = state_->map.finest();
+  std::vector<TileInfo> tiles;
+  for (const auto& [key, slot] : grid.tiles()) {
+    if (grid.tileRevision(slot) > 0) {
+      tiles.push_back({key.second, key.first, grid.tileRevision(slot)});
     }
   }
-  const double total = s.scan.points.totalWeight();
-  r.score = best.sums.agree / total;
-  r.matched = true;
-  r.status = MatchStatus::kGood;
-  const common::Pose2 rel = s.T_world_lidar.inverse() * best.T_world_lidar;
-  s.twist = Eigen::Vector3d(rel.x, rel.y, rel.yaw) / std::max(dt, 1e-3);
-  s.T_world_lidar = best.T_world_lidar;
-  const common::Pose2 d = s.T_world_written.inverse() * s.T_world_lidar;
-  if (std::hypot(d.x, d.y) > TUNE(WD, 0.4) || std::abs(d.yaw) > TUNE(WA, 0.9)) {
-    s.write(s.T_world_lidar, s.scan.rays);
-    r.written = true;
-  }
-  r.T_world_lidar = s.T_world_lidar;
-  return r;
+  return tiles;
 }
-std::vector<TileInfo> GridSlam::tiles() const {
-  std::vector<TileInfo> t;
-  for (auto& [k, slot] : state_->levels[0].tiles())
-    if (state_->levels[0].tileRevision(slot)) t.push_back({k.second, k.first, state_->levels[0].tileRevision(slot)});
-  return t;
-}
+
 std::vector<std::uint8_t> GridSlam::tileCells(std::int32_t x, std::int32_t y) const {
-  std::vector<std::uint8_t> out;
-  for (auto& c : state_->levels[0].tileCells(state_->levels[0].tiles().at({y, x})))
-    out.push_back(c.log_odds == 0 ? 0 : 1 + TiledGrid::occupancyByte(c.log_odds) * 254 / 255);
-  return out;
+  const TiledGrid& grid = state_->map.finest();
+  const auto tile = grid.tiles().find({y, x});
+  if (tile == grid.tiles().end()) {
+    throw common::Error("map: there is no tile " + std::to_string(x) + ", " + std::to_string(y));
+  }
+  std::vector<std::uint8_t> cells;
+  cells.reserve(kTileArea);
+  for (const Cell& cell : grid.tileCells(tile->second)) {
+    const double p = 1.0 / (1.0 + std::exp(-cell.log_odds / kLogOddsScale));
+    cells.push_back(cell.log_odds == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(1 + std::lround(254.0 * p)));
+  }
+  return cells;
 }
+
+std::vector<std::uint8_t> GridSlam::serialise() const {
+  ByteWriter out;
+  out.put(kMagic);
+  const Tracking& t = state_->tracking;
+  out.put(t.utime.has_value());
+  out.put(t.utime.value_or(0));
+  out.put(t.T_world_lidar);
+  out.put(t.T_world_written);
+  out.put(t.twist);
+  out.put(t.expected_score);
+  out.put(t.search_distance);
+  out.put(t.search_angle);
+  out.put(t.lost_scans);
+  out.put(t.unverified);
+  out.put(t.lost);
+  state_->map.save(out);
+  out.put(static_cast<std::uint64_t>(state_->pending.size()));
+  for (const PendingScan& scan : state_->pending) {
+    out.put(scan.utime);
+    out.put(scan.T_world_lidar);
+    out.put(static_cast<std::uint64_t>(scan.rays.size()));
+    for (const RayEnd& ray : scan.rays) {
+      out.put(ray.x);
+      out.put(ray.y);
+      out.put(ray.hit);
+    }
+  }
+  out.put(common::crc32(out.bytes()));
+  return std::move(out.bytes());
+}
+
+GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::uint8_t> bytes) {
+  ByteReader in(bytes);
+  if (in.get<std::array<char, 8>>() != kMagic) {
+    throw common::Error("LiDAR SLAM state: not a state, or one of another version");
+  }
+  std::uint32_t crc = 0;
+  if (in.left() < sizeof crc) {
+    throw common::Error("LiDAR SLAM state: truncated");
+  }
+  std::memcpy(&crc, bytes.data() + bytes.size() - sizeof crc, sizeof crc);
+  if (crc != common::crc32(bytes.first(bytes.size() - sizeof crc))) {
+    throw common::Error("LiDAR SLAM state: damaged, its checksum is wrong");
+  }
+  auto state = std::make_unique<State>(config);
+  Tracking& t = state->tracking;
+  const bool has_utime = in.get<std::uint8_t>() != 0;
+  const auto utime = in.get<common::Utime>();
+  t.utime = has_utime ? std::optional(utime) : std::nullopt;
+  t.T_world_lidar = in.get<common::Pose2>();
+  t.T_world_written = in.get<common::Pose2>();
+  t.twist = in.get<std::array<double, 3>>();
+  t.expected_score = in.get<double>();
+  t.search_distance = in.get<double>();
+  t.search_angle = in.get<double>();
+  t.lost_scans = in.get<int>();
+  t.unverified = in.get<int>();
+  t.lost = in.get<std::uint8_t>() != 0;
+  state->map.load(in);
+  state->pending.resize(in.getCount(sizeof(common::Utime) + sizeof(common::Pose2)));
+  for (PendingScan& scan : state->pending) {
+    scan.utime = in.get<common::Utime>();
+    scan.T_world_lidar = in.get<common::Pose2>();
+    scan.rays.resize(in.getCount(2 * sizeof(float) + sizeof(bool)));
+    for (RayEnd& ray : scan.rays) {
+      ray.x = in.get<float>();
+      ray.y = in.get<float>();
+      ray.hit = in.get<std::uint8_t>() != 0;
+    }
+  }
+  if (in.left() != sizeof crc) {
+    throw common::Error("LiDAR SLAM state: there is more than belongs to it");
+  }
+  return GridSlam(std::move(state));
+}
+
 }  // namespace rubble::slam_lidar

@@ -23,7 +23,7 @@ struct KernelFrame {
 
 /// Sums in units of a byte's occupancy and cells.
 struct KernelSums {
-  float h00, h01, h02, h11, h12, h22, g0, g1, g2, agree, contradict;
+  double h00, h01, h02, h11, h12, h22, g0, g1, g2, agree, contradict, cost;
 };
 
 }  // namespace rubble::slam_lidar
@@ -54,7 +54,7 @@ KernelSums sumOverPoints(const GridView& grid, const PointSet& points, const Ker
   const auto byte_mask = hn::Set(di, 0xFF);
 
   F h00 = zero, h01 = zero, h02 = zero, h11 = zero, h12 = zero, h22 = zero;
-  F g0 = zero, g1 = zero, g2 = zero, agree = zero, contradict = zero;
+  F g0 = zero, g1 = zero, g2 = zero, agree = zero, contradict = zero, cost = zero;
   for (std::size_t i = 0; i < points.paddedSize(); i += hn::Lanes(df)) {
     const F px = hn::LoadU(df, points.x() + i);
     const F py = hn::LoadU(df, points.y() + i);
@@ -109,9 +109,10 @@ KernelSums sumOverPoints(const GridView& grid, const PointSet& points, const Ker
       g0 = hn::MulAdd(wx, residual, g0);
       g1 = hn::MulAdd(wy, residual, g1);
       g2 = hn::MulAdd(wyaw, residual, g2);
+      cost = hn::MulAdd(hn::Mul(weight, residual), residual, cost);
     }
   }
-  const auto sum = [&](F value) { return hn::GetLane(hn::SumOfLanes(df, value)); };
+  const auto sum = [&](F value) { return static_cast<double>(hn::GetLane(hn::SumOfLanes(df, value))); };
   KernelSums sums{};
   sums.agree = sum(agree);
   sums.contradict = sum(contradict);
@@ -125,6 +126,7 @@ KernelSums sumOverPoints(const GridView& grid, const PointSet& points, const Ker
     sums.g0 = sum(g0);
     sums.g1 = sum(g1);
     sums.g2 = sum(g2);
+    sums.cost = sum(cost);
   }
   return sums;
 }
@@ -166,8 +168,9 @@ MatchSums inMetres(const KernelSums& k, double cell_size) {
       k.h01 * jj, k.h11 * jj, k.h12 * jm,        //
       k.h02 * jm, k.h12 * jm, k.h22 * mm;
   sums.g << k.g0 * jm, k.g1 * jm, k.g2 * mm;
+  sums.cost = k.cost * mm;
   sums.agree = k.agree / 127.0;
-  sums.contradict = k.contradict / 128.0;
+  sums.contradict = k.contradict / 12.8;
   return sums;
 }
 
@@ -175,7 +178,7 @@ MatchSums inMetres(const KernelSums& k, double cell_size) {
 
 void PointSet::clear() {
   size_ = 0;
-  total_weight_ = 0.0F;
+  total_weight_ = 0.0;
   x_.clear();
   y_.clear();
   weight_.clear();
@@ -185,7 +188,7 @@ void PointSet::add(float x, float y, float weight) {
   x_.push_back(x);
   y_.push_back(y);
   weight_.push_back(weight);
-  total_weight_ += weight;
+  total_weight_ += static_cast<double>(weight);
   ++size_;
 }
 
@@ -210,9 +213,9 @@ MatchSums lineariseScalar(const GridView& grid, const PointSet& points, const co
   const double s = std::sin(T_world_lidar.yaw);
   MatchSums sums;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double px = points.x()[i];
-    const double py = points.y()[i];
-    const double weight = points.weight()[i];
+    const auto px = static_cast<double>(points.x()[i]);
+    const auto py = static_cast<double>(points.y()[i]);
+    const auto weight = static_cast<double>(points.weight()[i]);
     const Eigen::Vector2d r(c * px - s * py, s * px + c * py);
     const Eigen::Vector2d p =
         (T_world_lidar.translation() + r - grid.p_world_window) / grid.cell_size - Eigen::Vector2d(0.5, 0.5);
@@ -235,8 +238,9 @@ MatchSums lineariseScalar(const GridView& grid, const PointSet& points, const co
     const Eigen::RowVector3d J(dx, dy, -dx * r.y() + dy * r.x());
     sums.H += weight * J.transpose() * J;
     sums.g += weight * J.transpose() * (1.0 - m);
+    sums.cost += weight * (1.0 - m) * (1.0 - m);
     sums.agree += weight * std::max(0.0, 255.0 * m - 128.0) / 127.0;
-    sums.contradict += weight * std::max(0.0, 128.0 - 255.0 * m) / 128.0;
+    sums.contradict += weight * std::max(0.0, 128.0 - 255.0 * m) / 12.8;
   }
   return sums;
 }

@@ -24,11 +24,11 @@ class PointSet {
   const float* x() const { return x_.data(); }
   const float* y() const { return y_.data(); }
   const float* weight() const { return weight_.data(); }
-  float totalWeight() const { return total_weight_; }
+  double totalWeight() const { return total_weight_; }
 
  private:
   std::size_t size_ = 0;
-  float total_weight_ = 0.0F;
+  double total_weight_ = 0.0;
   std::vector<float> x_;
   std::vector<float> y_;
   std::vector<float> weight_;
@@ -41,6 +41,11 @@ struct MatchSums {
   Eigen::Vector3d g = Eigen::Vector3d::Zero();   ///< sum w J^T (1 - M)
   double agree = 0.0;                            ///< sum w max(0, 2 M - 1)
   double contradict = 0.0;                       ///< sum w max(0, 1 - 2 M)
+
+  double cost = 0.0;                             ///< sum w (1 - M)^2, linearise() only
+
+  /// What searches maximise.
+  double quality() const { return agree - 0.5 * contradict; }
 };
 
 /// All of MatchSums, for Gauss-Newton.

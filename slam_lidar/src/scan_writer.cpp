@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "tuning.h"
 #include <cstdlib>
 
 namespace rubble::slam_lidar {
@@ -14,9 +15,9 @@ int logOdds(double probability) {
 }  // namespace
 
 ScanWriter::ScanWriter(const GridSlamConfig& config)
-    : hit_(logOdds(config.map.hit_probability)),
-      miss_(logOdds(config.map.miss_probability)),
-      limit_(static_cast<int>(std::lround(kLogOddsScale * config.map.max_log_odds))),
+    : hit_(logOdds(TUNE(HIT,0.8))),
+      miss_(logOdds(TUNE(MISS,0.45))),
+      limit_(static_cast<int>(std::lround(kLogOddsScale * TUNE(MAXL,6.0)))),
       free_space_range_(config.scan.free_space_range) {}
 
 void ScanWriter::traceFree(TiledGrid& grid, const Eigen::Vector2i& from, const Eigen::Vector2i& to) const {
@@ -58,7 +59,7 @@ void ScanWriter::write(TiledGrid& grid, const common::Pose2& T_world_lidar, std:
       const Eigen::Vector2i cell = cellOf(x, y);
       grid.addEvidence(cell.x(), cell.y(), hit_, limit_);
     }
-    const double shorten = std::min(1.0, free_space_range_ / std::hypot(x, y));
+    const double range=std::hypot(x,y); const double shorten = std::min(range - TUNE(KEEP,0.0)*view.cell_size, TUNE(FREE,15.0)) / range;
     ends_.push_back(cellOf(x * shorten, y * shorten));
   }
   const Eigen::Vector2i start = cellOf(0.0, 0.0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "tuning.h"
 
 #include "common/error.h"
 
@@ -16,7 +17,7 @@ std::array<std::uint8_t, 2 * kByteLimit + 1> makeByteTable() {
   std::array<std::uint8_t, 2 * kByteLimit + 1> table{};
   for (int l = -kByteLimit; l <= kByteLimit; ++l) {
     const double p = 1.0 / (1.0 + std::exp(-l / kLogOddsScale));
-    table[static_cast<std::size_t>(l + kByteLimit)] = static_cast<std::uint8_t>(std::lround(255.0 * p));
+    table[static_cast<std::size_t>(l + kByteLimit)] = static_cast<std::uint8_t>(std::clamp<long>(std::lround(p > 0.5 ? 128+ 127*(2*p-1)  : TUNE(FLOORP,0.9)*128 + (1-TUNE(FLOORP,0.9))*128*2*p), 0, 255));
   }
   return table;
 }
@@ -72,10 +73,6 @@ GridView TiledGrid::view() const {
   const double tile = cell_size_ * kTileSide;
   return {directory_.data(), quads_.data(), window_tiles_log2_, cell_size_,
           Eigen::Vector2d(window_tile_x_ * tile, window_tile_y_ * tile)};
-}
-
-Eigen::Matrix<std::int64_t, 2, 1> TiledGrid::windowCell() const {
-  return {std::int64_t{window_tile_x_} * kTileSide, std::int64_t{window_tile_y_} * kTileSide};
 }
 
 std::int32_t TiledGrid::makeTile(int window_tile_x, int window_tile_y) {
@@ -156,6 +153,71 @@ void TiledGrid::refreshQuads(int x, int y, std::size_t offset) {
 
 std::span<const Cell> TiledGrid::tileCells(std::int32_t slot) const {
   return std::span(cells_).subspan(static_cast<std::size_t>(slot) * kTileArea, kTileArea);
+}
+
+void TiledGrid::rebuildQuads() {
+  for (const auto& [key, slot] : tiles_) {
+    const auto slotAt = [this, &key = key](int dx, int dy) {
+      const auto it = tiles_.find({key.first + dy, key.second + dx});
+      return it == tiles_.end() ? 0 : it->second;
+    };
+    // Slot 0 is unknown throughout, as a tile that isn't there.
+    const std::int32_t slots[2][2] = {{slot, slotAt(1, 0)}, {slotAt(0, 1), slotAt(1, 1)}};
+    const auto byteAt = [&](int x, int y) -> std::uint32_t {
+      const auto offset = static_cast<std::size_t>(slots[y >> kTileShift][x >> kTileShift]) * kTileArea +
+                          static_cast<std::size_t>(((y & kTileMask) << kTileShift) + (x & kTileMask));
+      return occupancyByte(cells_[offset].log_odds);
+    };
+    for (int y = 0; y < kTileSide; ++y) {
+      for (int x = 0; x < kTileSide; ++x) {
+        quads_[static_cast<std::size_t>(slot * kTileArea + (y << kTileShift) + x)] =
+            byteAt(x, y) | byteAt(x + 1, y) << 8 | byteAt(x, y + 1) << 16 | byteAt(x + 1, y + 1) << 24;
+      }
+    }
+  }
+}
+
+void TiledGrid::save(ByteWriter& out) const {
+  out.put(cell_size_);
+  out.put(window_tile_x_);
+  out.put(window_tile_y_);
+  out.put(revision_);
+  out.put(static_cast<std::uint64_t>(tiles_.size()));
+  for (const auto& [key, slot] : tiles_) {
+    const auto offset = static_cast<std::size_t>(slot) * kTileArea;
+    out.put(key.second);
+    out.put(key.first);
+    out.put(tileRevision(slot));
+    for (std::size_t i = offset; i < offset + kTileArea; ++i) {
+      out.put(cells_[i].log_odds);
+    }
+  }
+}
+
+void TiledGrid::load(ByteReader& in) {
+  if (in.get<double>() != cell_size_) {
+    throw common::Error("LiDAR SLAM state: its map has another cell size than the configuration");
+  }
+  window_tile_x_ = in.get<std::int32_t>();
+  window_tile_y_ = in.get<std::int32_t>();
+  revision_ = in.get<std::uint64_t>();
+  const std::size_t tiles = in.getCount(kTileArea * sizeof(std::int16_t));
+  cells_.resize((tiles + 1) * kTileArea);
+  quads_.resize((tiles + 1) * kTileArea);
+  revisions_.resize(tiles + 1);
+  for (std::size_t slot = 1; slot <= tiles; ++slot) {
+    const auto x = in.get<std::int32_t>();
+    const auto y = in.get<std::int32_t>();
+    if (!tiles_.emplace(TileKey{y, x}, static_cast<std::int32_t>(slot)).second) {
+      throw common::Error("LiDAR SLAM state: a tile of the map is there twice");
+    }
+    revisions_[slot] = in.get<std::uint64_t>();
+    for (std::size_t i = slot * kTileArea; i < (slot + 1) * kTileArea; ++i) {
+      cells_[i].log_odds = in.get<std::int16_t>();
+    }
+  }
+  rebuildQuads();
+  rebuildDirectory();
 }
 
 }  // namespace rubble::slam_lidar

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "checkpoint.h"
+
 namespace rubble::slam_lidar {
 
 inline constexpr int kTileShift = 5;
@@ -48,9 +50,6 @@ class TiledGrid {
 
   GridView view() const;
   double cellSize() const { return cell_size_; }
-  /// Corner of the window in cells of the world.
-  Eigen::Matrix<std::int64_t, 2, 1> windowCell() const;
-  int windowCells() const { return (1 << window_tiles_log2_) << kTileShift; }
 
   /// Starts a scan: from here on every cell takes evidence once. `revision` has to grow.
   void beginScan(std::uint64_t revision);
@@ -64,8 +63,9 @@ class TiledGrid {
   /// Revision in which a cell of the tile last changed, 0 for a mere border.
   std::uint64_t tileRevision(std::int32_t slot) const { return revisions_[static_cast<std::size_t>(slot)]; }
   std::span<const Cell> tileCells(std::int32_t slot) const;
-  /// Adds a tile as read from a checkpoint. The window has to be recentred afterwards.
-  void insertTile(const TileKey& key, std::uint64_t revision, std::span<const std::int16_t> log_odds);
+  void save(ByteWriter& out) const;
+  /// Into an empty grid. Throws common::Error for a different cell size or impossible content.
+  void load(ByteReader& in);
 
   static std::uint8_t occupancyByte(std::int16_t log_odds);
 
@@ -75,6 +75,7 @@ class TiledGrid {
   void refreshQuads(int x, int y, std::size_t offset);
   void setQuadByte(int x, int y, int byte, std::uint8_t value);
   void rebuildDirectory();
+  void rebuildQuads();
 
   double cell_size_;
   int window_tiles_log2_ = 0;

@@ -16,16 +16,15 @@ namespace rubble::common {
 /// meaning. That visit reads the files, rejects what is misspelt or out of range, and documents.
 class ConfigSection {
  public:
-  void number(const char* key, double& value, const char* unit, double min, double max,
-              const char* doc);
+  void number(const char* key, double& value, const char* unit, double min, double max, const char* doc);
   void integer(const char* key, int& value, const char* unit, int min, int max, const char* doc);
   void flag(const char* key, bool& value, const char* doc);
   void text(const char* key, std::string& value, const char* doc);
   void choice(const char* key, std::string& value, std::initializer_list<const char*> choices,
               const char* doc);
   /// A fixed number of values on one line, e.g. a translation `[x, y, z]`.
-  void numbers(const char* key, std::vector<double>& values, const char* unit, double min,
-               double max, const char* doc);
+  void numbers(const char* key, std::vector<double>& values, const char* unit, double min, double max,
+               const char* doc);
   /// A nested mapping; valid as long as this section.
   ConfigSection& section(const char* key, const char* doc);
 

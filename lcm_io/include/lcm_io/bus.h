@@ -80,6 +80,8 @@ class Bus {
   const ChannelStatsMap& received() const { return received_; }
   const ChannelStatsMap& published() const { return published_; }
   void resetLatency();
+  /// Counts a message as refused that was found bad only after its handler had returned.
+  void refuse(const std::string& channel, const std::string& why);
 
  protected:
   /// Makes a channel's messages (`kEveryChannel`: all) arrive at dispatch().

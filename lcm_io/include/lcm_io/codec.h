@@ -39,19 +39,15 @@ bool hasFingerprint(ByteView bytes) {
 template <typename Message>
 Message decode(ByteView bytes) {
   if (!hasFingerprint<Message>(bytes)) {
-    throw common::Error(fmt::format("{} bytes that are no {} (other fingerprint): another type or version is published",
-                                    bytes.size(), Message::getTypeName()));
+    throw common::Error(
+        fmt::format("{} bytes that are no {} (other fingerprint): another type or version is published",
+                    bytes.size(), Message::getTypeName()));
   }
   Message message;
-  bool ok = false;
-  try {
-    ok = message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) == static_cast<int>(bytes.size());
-  } catch (const std::length_error&) {
-    // A negative length inside the message.
-  }
-  if (!ok) {
-    throw common::Error(fmt::format("damaged {} of {} bytes: a length inside does not fit", Message::getTypeName(),
-                                    bytes.size()));
+  const int size = static_cast<int>(bytes.size());
+  if (message.decode(bytes.data(), 0, size) != size) {
+    throw common::Error(fmt::format("damaged {} of {} bytes: a length inside does not fit",
+                                    Message::getTypeName(), bytes.size()));
   }
   return message;
 }

@@ -9,6 +9,8 @@ namespace rubble::lcm_io {
 struct HostCheck {
   std::string name;
   bool ok = false;
+  /// Without it there is no bus at all.
+  bool fatal = false;
   /// What was found, and when not ok how to fix it.
   std::string text;
 };

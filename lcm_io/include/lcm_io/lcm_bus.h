@@ -32,7 +32,8 @@ class LcmBus : public Bus {
   common::Utime now() const override;
   std::string conflict() const override;
 
-  /// Takes what has already arrived at this host, then nothing more; dispatch() hands out the rest.
+  /// Takes what has already arrived at this host (and comes within 50 ms), then nothing more; dispatch()
+  /// hands out the rest.
   void stopReceiving();
 
  private:
@@ -66,6 +67,8 @@ class LcmBus : public Bus {
   std::map<std::string, OwnChannel> own_;
   std::set<std::string> wanted_;  // What dispatch() shall hand out.
   std::atomic<bool> stopping_ = false;
+  common::Utime stop_utime_ = 0;    // Written before stopping_.
+  common::Utime newest_utime_ = 0;  // Receive time of the newest message; the receiver's own.
   std::thread receiver_;
 };
 

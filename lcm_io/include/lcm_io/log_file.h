@@ -43,6 +43,9 @@ class LogReader {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
+  /// Whether something like an event starts in the rest of the file, which it reads.
+  bool anotherHeaderFollows();
+
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
   std::int64_t position_ = 0;
@@ -59,7 +62,8 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// Throws Error naming the path when the disk refuses.
+  /// Throws Error naming the path when the disk refuses what was written earlier; this event is not taken
+  /// then.
   void write(common::Utime utime, const std::string& channel, ByteView data);
 
   template <typename Message>

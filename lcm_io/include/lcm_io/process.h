@@ -8,6 +8,7 @@
 #include "common/config.h"
 #include "lcm_io/bus.h"
 #include "lcm_io/node.h"
+#include "lcm_io/stage_times.h"
 
 namespace rubble::lcm_io {
 
@@ -17,6 +18,8 @@ struct ProcessContext {
   const common::Config& config;
   /// Where the process keeps what must survive it; empty: nothing is kept.
   std::filesystem::path state_dir;
+  /// Where replay wants stage times; null live.
+  StageTimes* times = nullptr;
 };
 
 struct ProcessDescription {

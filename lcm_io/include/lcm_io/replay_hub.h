@@ -20,8 +20,12 @@ class ReplayHub {
   /// One process's bus; lives as long as the hub.
   Bus& endpoint();
 
-  /// Sets the time to the message's receive_utime, delivers it, then all that was published meanwhile.
+  /// Lets time pass; it never goes back.
+  void advanceTo(common::Utime utime);
+  /// Advances to the message's receive_utime and delivers it, then all that is published meanwhile.
   void feed(const RawMessage& message);
+  /// Delivers what was published outside a handler.
+  void deliverPending();
 
   common::Utime now() const { return now_; }
 

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace rubble::common {
+
+/// Writes a process's state to one file from a thread of its own, so that a slow disk never holds up the
+/// caller: only the newest state waits, and the file is replaced atomically.
+class CheckpointWriter {
+ public:
+  explicit CheckpointWriter(std::filesystem::path path);
+  /// Writes what waits, then stops.
+  ~CheckpointWriter();
+  CheckpointWriter(const CheckpointWriter&) = delete;
+  CheckpointWriter& operator=(const CheckpointWriter&) = delete;
+
+  void submit(std::vector<std::uint8_t> bytes);
+
+  /// Why the last write failed; empty when it did not.
+  std::string error() const;
+
+ private:
+  void run();
+
+  const std::filesystem::path path_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<std::vector<std::uint8_t>> waiting_;
+  std::string error_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace rubble::common

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "common/error.h"
+
+namespace rubble::slam_lidar {
+
+/// Appends plain values to bytes, in the machine's (little-endian) order.
+class ByteWriter {
+ public:
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  void put(const T& value) {
+    putAll(std::span(&value, 1));
+  }
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  void putAll(std::span<const T> values) {
+    const std::size_t end = bytes_.size();
+    bytes_.resize(end + values.size_bytes());
+    std::memcpy(bytes_.data() + end, values.data(), values.size_bytes());
+  }
+  std::vector<std::uint8_t>& bytes() { return bytes_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Takes them out again. Throws common::Error instead of reading beyond the end.
+class ByteReader {
+ public:
+  explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  T get() {
+    T value;
+    getAll(std::span(&value, 1));
+    return value;
+  }
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  void getAll(std::span<T> values) {
+    require(values.size_bytes());
+    std::memcpy(values.data(), bytes_.data(), values.size_bytes());
+    bytes_ = bytes_.subspan(values.size_bytes());
+  }
+  /// Number of elements that follow, each at least `element_size` bytes long.
+  std::size_t getCount(std::size_t element_size) {
+    const auto count = get<std::uint64_t>();
+    if (count > bytes_.size() / element_size) {
+      fail();
+    }
+    return static_cast<std::size_t>(count);
+  }
+  std::size_t left() const { return bytes_.size(); }
+
+ private:
+  [[noreturn]] static void fail() { throw common::Error("LiDAR SLAM state: truncated"); }
+  void require(std::size_t size) const {
+    if (size > bytes_.size()) {
+      fail();
+    }
+  }
+
+  std::span<const std::uint8_t> bytes_;
+};
+
+}  // namespace rubble::slam_lidar

@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/files.h"
+#include "common/geometry.h"
+#include "common/trajectory.h"
+#include "lcm_io/log_file.h"
+#include "support/child_process.h"
+#include "support/private_lcm_url.h"
+#include "support/shell.h"
+#include "support/temp_dir.h"
+
+// The processes as processes: a log is played over udpm, the console logs, and what it logged is held to
+// replay.
+
+namespace rubble {
+namespace {
+
+const std::string kBin = std::string(RUBBLE_BIN_DIR) + "/";
+const std::vector<std::string> kOthers = {"rubble-camera",    "rubble-lidar",  "rubble-stabilizer",
+                                          "rubble-slam-mono", "rubble-fusion", "rubble-recognizer"};
+
+class LiveTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    dir_ = std::make_unique<test::TempDir>();
+    const auto made =
+        test::shell(kBin + "rubble arena --mission flat --seed 5 --duration 20 --out " + path("mission"));
+    ASSERT_EQ(made.status, 0) << made.output;
+    const auto replayed =
+        test::shell(kBin + "rubble replay " + path("mission/mission.lcm") + " --out " + path("replayed"));
+    ASSERT_EQ(replayed.status, 0) << replayed.output;
+  }
+  static void TearDownTestSuite() { dir_.reset(); }
+  static std::string path(const std::string& name) { return dir_->path() / name; }
+
+  std::unique_ptr<test::ChildProcess> start(const std::string& program, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {kBin + program, "--lcm-url", url_, "--config",
+                                          path("mission/robot.yaml")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::make_unique<test::ChildProcess>(arguments);
+  }
+  std::unique_ptr<test::ChildProcess> startConsole(const std::string& log_dir) {
+    return start("rubble-console", {"--set", "ops_console.log_dir=" + path(log_dir)});
+  }
+  test::ShellResult play(const std::string& log, const std::string& wait_for) const {
+    return test::shell(kBin + "rubble play " + log + " --lcm-url '" + url_ + "' --wait-for " + wait_for);
+  }
+  static std::string onlyLog(const std::string& log_dir) {
+    const std::filesystem::directory_iterator files(path(log_dir));
+    EXPECT_NE(files, std::filesystem::directory_iterator());
+    return files->path();
+  }
+  static void expectSamePath(const std::string& a, const std::string& b) {
+    const common::Trajectory left = common::readTum(path(a) + "/trajectory_lidar.tum");
+    const common::Trajectory right = common::readTum(path(b) + "/trajectory_lidar.tum");
+    ASSERT_EQ(left.size(), right.size()) << "a scan was dropped";
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      ASSERT_EQ(left[i].utime, right[i].utime);
+      const common::Pose3 T = left[i].T_a_b.inverse() * right[i].T_a_b;
+      EXPECT_LT(T.translation().norm(), 0.01) << "at " << left[i].utime;
+      EXPECT_LT(Eigen::AngleAxisd(T.linear()).angle(), 0.2 * M_PI / 180.0) << "at " << left[i].utime;
+    }
+  }
+
+  const std::string url_ = test::privateLcmUrl();
+  static inline std::unique_ptr<test::TempDir> dir_;
+};
+
+TEST_F(LiveTest, TheWholeGraphGivesReplaysTrajectoryAndItsLogGivesItAgain) {
+  const auto console = startConsole("log");
+  const auto slam = start("rubble-slam-lidar");
+  std::vector<std::unique_ptr<test::ChildProcess>> others;
+  for (const std::string& program : kOthers) {
+    others.push_back(start(program));
+  }
+  const auto played = play(path("mission/mission.lcm"),
+                           "slam_lidar,ops_console,slam_mono,fusion,recognizer,camera,lidar,stabilizer");
+  ASSERT_EQ(played.status, 0) << played.output;
+  for (const auto& process : others) {
+    EXPECT_EQ(process->terminate(), 0);
+  }
+  EXPECT_EQ(slam->terminate(), 0);
+  EXPECT_EQ(console->terminate(), 0);
+
+  const std::string log = onlyLog("log");
+  const auto exported = test::shell(kBin + "rubble export results " + log + " --out " + path("live"));
+  ASSERT_EQ(exported.status, 0) << exported.output;
+  expectSamePath("live", "replayed");
+  const auto again = test::shell(kBin + "rubble replay " + log + " --out " + path("again") + " --config " +
+                                 path("mission/robot.yaml"));
+  ASSERT_EQ(again.status, 0) << again.output;
+  expectSamePath("again", "live");
+}
+
+TEST_F(LiveTest, KilledGridSlamComesBackWithItsMap) {
+  const auto console = startConsole("log_killed");
+  const std::vector<std::string> state = {"--state-dir", path("state"), "--set",
+                                          "slam_lidar.checkpoint_period=1.0"};
+  auto slam = start("rubble-slam-lidar", state);
+  test::ChildProcess player({kBin + "rubble", "play", path("mission/mission.lcm"), "--lcm-url", url_,
+                             "--wait-for", "slam_lidar,ops_console"});
+  ASSERT_TRUE(test::waitFor([&] { return std::filesystem::exists(path("state/slam_lidar.checkpoint")); }));
+  const auto first = std::filesystem::last_write_time(path("state/slam_lidar.checkpoint"));
+  ASSERT_TRUE(test::waitFor([&] {
+    return std::filesystem::last_write_time(path("state/slam_lidar.checkpoint")) - first >=
+           std::chrono::seconds(8);
+  }));
+  slam->kill();
+  slam = start("rubble-slam-lidar", state);
+  EXPECT_EQ(player.wait(std::chrono::seconds(60)), 0);
+  EXPECT_EQ(slam->terminate(), 0);
+  EXPECT_EQ(console->terminate(), 0);
+
+  const auto exported =
+      test::shell(kBin + "rubble export results " + onlyLog("log_killed") + " --out " + path("killed"));
+  ASSERT_EQ(exported.status, 0) << exported.output;
+  const auto map = test::shell(kBin + "rubble eval map " + path("killed/map_0.yaml") + " " +
+                               path("replayed/map_0.yaml") + " --tolerance 0.1 --json");
+  ASSERT_EQ(map.status, 0) << map.output;
+  const auto json = nlohmann::json::parse(map.output);
+  EXPECT_GT(json.at("precision").get<double>(), 0.95) << map.output;
+  EXPECT_GT(json.at("recall").get<double>(), 0.95) << map.output;
+  const common::StampedPose live = common::readTum(path("killed/trajectory_lidar.tum")).back();
+  const common::StampedPose replayed = common::readTum(path("replayed/trajectory_lidar.tum")).back();
+  EXPECT_LT((live.T_a_b.translation() - replayed.T_a_b.translation()).norm(), 0.05);
+}
+
+}  // namespace
+}  // namespace rubble

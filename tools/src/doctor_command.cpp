@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "command.h"
+#include "common/error.h"
+#include "host_programs.h"
+#include "lcm_io/host_checks.h"
+#include "lcm_io/lcm_bus.h"
+
+namespace rubble::tools {
+
+namespace {
+
+using lcm_io::HostCheck;
+
+HostCheck checkProgram(const std::string& name, const std::string& package) {
+  const auto path = findProgram(name);
+  return {name, path.has_value(),
+          path ? path->string() : fmt::format("not found; fix: apt-get install {}", package)};
+}
+
+HostCheck checkGraphicalJava() {
+  const bool ok = hasGraphicalJava();
+  return {"java", ok,
+          ok ? "can open windows"
+             : "missing or headless, lcm-spy cannot start; fix: apt-get install default-jre"};
+}
+
+HostCheck checkTypesJar() {
+  const std::filesystem::path jar = typesJar();
+  const bool ok = std::filesystem::exists(jar);
+  return {
+      "types for lcm-spy", ok,
+      ok ? jar.string() : fmt::format("{} is missing; fix: build the target rubble_types_jar", jar.string())};
+}
+
+/// A mission's log takes about 1 GB per hour.
+HostCheck checkDisk(const std::string& folder) {
+  constexpr double kGigabyte = 1e9;
+  constexpr double kNeeded = 5.0 * kGigabyte;
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  if (error) {
+    return {"disk", false,
+            fmt::format("{}: {}; fix: give --log-dir a folder that exists", folder, error.message())};
+  }
+  const auto available = static_cast<double>(space.available);
+  const bool ok = available >= kNeeded;
+  return {"disk", ok,
+          fmt::format("{:.1f} GB free at {}{}", available / kGigabyte, folder,
+                      ok ? "" : fmt::format("; fix: free at least {:.0f} GB", kNeeded / kGigabyte))};
+}
+
+/// A board without a battery for its clock starts in 1970.
+HostCheck checkClock() {
+  using namespace std::chrono;
+  const auto today = year_month_day(floor<days>(system_clock::now()));
+  const bool ok = today.year() >= year(2024) && today.year() < year(2100);
+  const int y = static_cast<int>(today.year());
+  return {
+      "clock", ok,
+      ok ? fmt::format("the year is {}", y)
+         : fmt::format("the year is {}; fix: timedatectl set-ntp true, or date -s 'YYYY-MM-DD hh:mm'", y)};
+}
+
+struct Options {
+  std::string lcm_url = lcm_io::kDefaultLcmUrl;
+  std::string log_dir = ".";
+};
+
+void doctor(const Options& options) {
+  std::vector<HostCheck> checks = lcm_io::checkHost(options.lcm_url);
+  checks.push_back(checkProgram("lcm-logger", "liblcm-bin"));
+  checks.push_back(checkProgram("lcm-logplayer", "liblcm-bin"));
+  checks.push_back(checkProgram("lcm-spy", "liblcm-java"));
+  checks.push_back(checkGraphicalJava());
+  checks.push_back(checkTypesJar());
+  checks.push_back(checkDisk(options.log_dir));
+  checks.push_back(checkClock());
+  int faults = 0;
+  for (const HostCheck& check : checks) {
+    fmt::print("{}  {}: {}\n", check.ok ? "OK " : "FIX", check.name, check.text);
+    faults += check.ok ? 0 : 1;
+  }
+  if (faults > 0) {
+    throw common::Error(fmt::format("{} of {} checks need a fix", faults, checks.size()));
+  }
+}
+
+}  // namespace
+
+void addDoctorCommand(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("doctor", "Check what this host needs for Rubble and say how to fix it");
+  command->add_option("--lcm-url", options->lcm_url, "The bus to check for")->capture_default_str();
+  command->add_option("--log-dir", options->log_dir, "Where logs will go")->capture_default_str();
+  command->footer("Example:\n  rubble doctor --log-dir /var/log/rubble\n");
+  command->callback([options] { doctor(*options); });
+}
+
+}  // namespace rubble::tools

@@ -1,0 +1,132 @@
+#include "grid_image.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "common/error.h"
+#include "common/files.h"
+
+namespace rubble::tools {
+
+namespace {
+
+constexpr std::uint8_t kUnknown = 205;
+constexpr double kOccupiedThreshold = 0.65;
+constexpr double kFreeThreshold = 0.196;
+const cv::Scalar kPurple(160, 32, 128);
+/// Above this a picture is of no use and does not fit the memory.
+constexpr std::int64_t kMostPixels = 400'000'000;
+
+std::vector<std::uint8_t> unpackTile(const rubble::grid_tile_t& tile, std::size_t cells) {
+  std::vector<std::uint8_t> out(cells);
+  uLongf size = out.size();
+  if (::uncompress(out.data(), &size, tile.data.data(), tile.data.size()) != Z_OK || size != cells) {
+    throw common::Error(fmt::format("tile ({}, {}) cannot be unpacked", tile.tile_x, tile.tile_y));
+  }
+  return out;
+}
+
+/// Cell value (0 unknown, 1 .. 255 probability) to map_server's grey.
+std::uint8_t greyOf(std::uint8_t cell) {
+  return cell == 0 ? kUnknown : static_cast<std::uint8_t>(255 - (cell - 1) * 255 / 254);
+}
+
+/// map_server's trinary reading, for the picture people look at.
+std::uint8_t trinary(std::uint8_t cell) {
+  if (cell == 0) {
+    return kUnknown;
+  }
+  const double occupancy = (cell - 1) / 254.0;
+  return occupancy > kOccupiedThreshold ? 0 : occupancy < kFreeThreshold ? 254 : kUnknown;
+}
+
+void writeImage(const std::filesystem::path& path, const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(path.extension().string(), image, bytes)) {
+    throw common::Error(fmt::format("{}: cannot be encoded", path.string()));
+  }
+  common::writeFileAtomically(path, bytes);
+}
+
+}  // namespace
+
+void GridAssembly::add(const rubble::grid_map_t& message) {
+  if (!(message.cell_size > 0.0) || message.tile_cells <= 0 || message.tile_cells > 4096) {
+    throw common::Error(
+        fmt::format("grid with cells of {} m, {} per tile", message.cell_size, message.tile_cells));
+  }
+  if (!tiles_.empty() && (message.cell_size != cell_size_ || message.tile_cells != tile_cells_)) {
+    throw common::Error("grid whose cell or tile size changed");
+  }
+  cell_size_ = message.cell_size;
+  tile_cells_ = message.tile_cells;
+  for (const rubble::grid_tile_t& tile : message.tiles) {
+    Tile& known = tiles_[{tile.tile_y, tile.tile_x}];
+    if (tile.revision > known.revision) {
+      known = {tile.revision, unpackTile(tile, static_cast<std::size_t>(tile_cells_) * tile_cells_)};
+    }
+  }
+}
+
+void GridAssembly::write(const std::filesystem::path& stem, const common::Trajectory& path) const {
+  std::int64_t min_x = std::numeric_limits<std::int32_t>::max();
+  std::int64_t max_x = std::numeric_limits<std::int32_t>::min();
+  for (const auto& [index, tile] : tiles_) {
+    min_x = std::min<std::int64_t>(min_x, index.second);
+    max_x = std::max<std::int64_t>(max_x, index.second);
+  }
+  const std::int64_t min_y = tiles_.begin()->first.first;
+  const std::int64_t max_y = tiles_.rbegin()->first.first;
+  const std::int64_t width = (max_x - min_x + 1) * tile_cells_;
+  const std::int64_t height = (max_y - min_y + 1) * tile_cells_;
+  if (width * height > kMostPixels) {
+    throw common::Error(
+        fmt::format("{}: a map of {} x {} cells is too large for a picture; raise "
+                    "slam_lidar.map.cell_size",
+                    stem.string(), width, height));
+  }
+
+  cv::Mat grey(static_cast<int>(height), static_cast<int>(width), CV_8UC1, cv::Scalar(kUnknown));
+  cv::Mat shown = grey.clone();
+  for (const auto& [index, tile] : tiles_) {
+    const int x0 = static_cast<int>((index.second - min_x) * tile_cells_);
+    const int y0 = static_cast<int>((index.first - min_y) * tile_cells_);
+    for (int j = 0; j < tile_cells_; ++j) {
+      const int row = static_cast<int>(height) - 1 - (y0 + j);
+      const std::uint8_t* cells =
+          &tile.cells[static_cast<std::size_t>(j) * static_cast<std::size_t>(tile_cells_)];
+      std::transform(cells, cells + tile_cells_, grey.ptr(row) + x0, greyOf);
+      std::transform(cells, cells + tile_cells_, shown.ptr(row) + x0, trinary);
+    }
+  }
+  const double origin_x = static_cast<double>(min_x * tile_cells_) * cell_size_;
+  const double origin_y = static_cast<double>(min_y * tile_cells_) * cell_size_;
+
+  writeImage(stem.string() + ".pgm", grey);
+  common::writeFileAtomically(
+      stem.string() + ".yaml",
+      fmt::format("image: {}.pgm\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: {}\n"
+                  "free_thresh: {}\n",
+                  stem.filename().string(), cell_size_, origin_x, origin_y, kOccupiedThreshold,
+                  kFreeThreshold));
+
+  cv::Mat picture;
+  cv::cvtColor(shown, picture, cv::COLOR_GRAY2BGR);
+  constexpr int kShift = 4;  // Sub-pixel bits of the drawn path.
+  std::vector<cv::Point> points;
+  for (const common::StampedPose& pose : path) {
+    const double column = (pose.T_a_b.translation().x() - origin_x) / cell_size_;
+    const double row = static_cast<double>(height) - (pose.T_a_b.translation().y() - origin_y) / cell_size_;
+    points.emplace_back(static_cast<int>(column * (1 << kShift)), static_cast<int>(row * (1 << kShift)));
+  }
+  cv::polylines(picture, points, false, kPurple, 1, cv::LINE_AA, kShift);
+  writeImage(stem.string() + ".png", picture);
+}
+
+}  // namespace rubble::tools
