@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
-#include "common/error.h"
 #include "common/geometry.h"
+#include "polygon.h"
 
 namespace rubble::arena_sim {
 
@@ -26,66 +25,6 @@ constexpr double kDoorToWall = 0.25;  // From a door's jamb to the next wall.
 constexpr double kObstacleToDoor = 1.1;
 constexpr double kObstacleToObstacle = 1.5;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double areaOf(const Polygon& polygon) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-  }
-  return 0.5 * twice;
-}
-
-/// Length of the polygon's shadow along a unit direction.
-double spanOf(const Polygon& polygon, const Vector2d& direction) {
-  double low = std::numeric_limits<double>::max();
-  double high = std::numeric_limits<double>::lowest();
-  for (const Vector2d& p : polygon) {
-    low = std::min(low, p.dot(direction));
-    high = std::max(high, p.dot(direction));
-  }
-  return high - low;
-}
-
-/// Distance of p from the nearest edge; negative outside.
-double depthInside(const Polygon& polygon, const Vector2d& p) {
-  double depth = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d edge = (polygon[(i + 1) % polygon.size()] - polygon[i]).normalized();
-    depth = std::min(depth, cross(edge, p - polygon[i]));
-  }
-  return depth;
-}
-
-struct Division {
-  Polygon left;
-  Polygon right;
-  Segment wall;
-};
-
-/// Cuts along the line through `p` in `direction`.
-std::optional<Division> cut(const Polygon& polygon, const Vector2d& p, const Vector2d& direction) {
-  Division division;
-  std::vector<Vector2d> ends;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d& a = polygon[i];
-    const Vector2d& b = polygon[(i + 1) % polygon.size()];
-    const double side_a = cross(direction, a - p);
-    const double side_b = cross(direction, b - p);
-    (side_a >= 0.0 ? division.left : division.right).push_back(a);
-    if ((side_a >= 0.0) != (side_b >= 0.0)) {
-      ends.emplace_back(a + (b - a) * (side_a / (side_a - side_b)));
-      division.left.push_back(ends.back());
-      division.right.push_back(ends.back());
-    }
-  }
-  if (ends.size() != 2) {
-    return std::nullopt;
-  }
-  division.wall = {ends[0], ends[1]};
-  return division;
-}
-
 class Builder {
  public:
   explicit Builder(std::uint64_t seed) : random_(randomStream(seed, 0)) {}
@@ -102,7 +41,9 @@ class Builder {
   }
 
  private:
-  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
 
   void addOutline(const Polygon& polygon) {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -150,7 +91,8 @@ class Builder {
     constexpr double kFromDoorCentre = 0.95;
     return large(division.left) && large(division.right) &&
            std::all_of(arena_.doors.begin(), arena_.doors.end(), [&](const Vector2d& door) {
-             return (door - division.wall.a).norm() > kFromDoorCentre && (door - division.wall.b).norm() > kFromDoorCentre;
+             return (door - division.wall.a).norm() > kFromDoorCentre &&
+                    (door - division.wall.b).norm() > kFromDoorCentre;
            });
   }
 
@@ -192,7 +134,7 @@ class Builder {
           outline.emplace_back(p + radius * Vector2d(std::cos(angle + corner), std::sin(angle + corner)));
         }
       } else {
-        constexpr int kSides = 32;
+        constexpr int kSides = 24;
         for (int i = 0; i < kSides; ++i) {
           const double a = 2.0 * std::numbers::pi * i / kSides;
           outline.emplace_back(p + radius * Vector2d(std::cos(a), std::sin(a)));
@@ -203,7 +145,8 @@ class Builder {
   }
 
   static bool farFromAll(const std::vector<Vector2d>& points, const Vector2d& p, double distance) {
-    return std::all_of(points.begin(), points.end(), [&](const Vector2d& q) { return (p - q).norm() > distance; });
+    return std::all_of(points.begin(), points.end(),
+                       [&](const Vector2d& q) { return (p - q).norm() > distance; });
   }
 
   void moveStartToOrigin() {
@@ -230,8 +173,9 @@ class Builder {
 
   /// Well inside a room, which becomes the start room.
   bool inSomeRoom(const Vector2d& p) {
-    const auto room = std::find_if(arena_.rooms.begin(), arena_.rooms.end(),
-                                   [&](const Polygon& polygon) { return depthInside(polygon, p) >= kStartClearance; });
+    const auto room = std::find_if(arena_.rooms.begin(), arena_.rooms.end(), [&](const Polygon& polygon) {
+      return depthInside(polygon, p) >= kStartClearance;
+    });
     arena_.start_room = static_cast<std::size_t>(room - arena_.rooms.begin());
     return room != arena_.rooms.end();
   }
@@ -242,12 +186,6 @@ class Builder {
 };
 
 }  // namespace
-
-double distanceTo(const Segment& segment, const Vector2d& p) {
-  const Vector2d along = segment.b - segment.a;
-  const double t = std::clamp((p - segment.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (p - segment.a - t * along).norm();
-}
 
 Arena makeArena(std::uint64_t seed) { return Builder(seed).build(); }
 

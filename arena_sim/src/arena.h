@@ -5,18 +5,9 @@
 #include <random>
 #include <vector>
 
+#include "polygon.h"
+
 namespace rubble::arena_sim {
-
-/// A straight piece of wall, infinitely thin, at the LiDAR's height. Metres, frame `world`.
-struct Segment {
-  Eigen::Vector2d a;
-  Eigen::Vector2d b;
-};
-
-double distanceTo(const Segment& segment, const Eigen::Vector2d& p);
-
-/// Convex, counter-clockwise corners.
-using Polygon = std::vector<Eigen::Vector2d>;
 
 /// One level of rooms behind a closed outer wall, about 12 x 9 m. The frame is `world`: the robot starts at
 /// the origin, heading along x, with at least kStartClearance to every wall.

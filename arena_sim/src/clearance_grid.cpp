@@ -56,7 +56,8 @@ double ClearanceGrid::clearance(const Vector2d& p) const {
   return index < 0 ? 0.0 : clearance_[static_cast<std::size_t>(index)];
 }
 
-std::optional<Polyline> ClearanceGrid::findWay(const Vector2d& from, const Vector2d& to, double min_clearance) const {
+std::optional<Polyline> ClearanceGrid::findWay(const Vector2d& from, const Vector2d& to,
+                                               double min_clearance) const {
   // Dijkstra backwards from the goal, so that the way can be read off from the start.
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -75,15 +76,16 @@ std::optional<Polyline> ClearanceGrid::findWay(const Vector2d& from, const Vecto
     if (reached > cost[static_cast<std::size_t>(cell)]) {
       continue;
     }
-    for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+    for (const auto& [dx, dy] :
+         {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
       const int neighbour = indexOf(centreOf(cell) + kCellSize * Vector2d(dx, dy));
       const auto n = static_cast<std::size_t>(neighbour);
       if (neighbour < 0 || clearance_[n] < min_clearance) {
         continue;
       }
       const double discomfort = std::max(0.0, kComfort - clearance_[n]) / kComfort;
-      const double there =
-          reached + kCellSize * std::hypot(dx, dy) * (1.0 + kDiscomfortCost * discomfort + kVisitedCost * visited_[n]);
+      const double there = reached + kCellSize * std::hypot(dx, dy) *
+                                         (1.0 + kDiscomfortCost * discomfort + kVisitedCost * visited_[n]);
       if (there < cost[n]) {
         cost[n] = there;
         next[n] = cell;

@@ -20,7 +20,8 @@ class ClearanceGrid {
 
   /// A cheap way with at least `min_clearance` everywhere, its corners cut where that allows; it avoids where
   /// earlier ways (noteWay) went when that costs little. Empty when there is none.
-  std::optional<Polyline> findWay(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double min_clearance) const;
+  std::optional<Polyline> findWay(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                  double min_clearance) const;
 
   void noteWay(const Polyline& way);
 

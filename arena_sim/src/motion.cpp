@@ -13,6 +13,7 @@ constexpr double kLookahead = 0.3;
 constexpr double kSharpTurn = 0.8;
 constexpr double kTurned = 0.01;
 constexpr double kArrived = 0.01;
+constexpr double kMissed = 0.03;
 constexpr double kSlowest = 0.1;
 constexpr double kSideways = 0.8;  // m/s^2, limit across the direction of travel.
 
@@ -41,6 +42,21 @@ class Arc {
   const Polyline& way_;
   std::vector<double> length_at_;
 };
+
+/// Where the way passes nearest to p, at most the lookahead further than `from`: that reaches around a
+/// corner.
+double nearest(const Arc& arc, double from, const Vector2d& p) {
+  constexpr double kStep = 0.005;
+  double best = from;
+  double least = (arc.at(from) - p).norm();
+  for (double s = from + kStep; s < std::min(from + kLookahead, arc.length()) + kStep; s += kStep) {
+    if (const double distance = (arc.at(s) - p).norm(); distance < least) {
+      least = distance;
+      best = std::min(s, arc.length());
+    }
+  }
+  return best;
+}
 
 double headingError(const common::Pose2& pose, const Vector2d& target) {
   const Vector2d d = target - pose.translation();
@@ -102,12 +118,8 @@ void Driver::follow(const Polyline& way) {
   const Arc arc(way);
   double s = 0.0;
   while (true) {
-    // The nearest place on the way, from where it was last.
     const Vector2d here = pose().translation();
-    constexpr double kSearchStep = 0.002;
-    while (s < arc.length() && (arc.at(s + kSearchStep) - here).norm() < (arc.at(s) - here).norm()) {
-      s += kSearchStep;
-    }
+    s = nearest(arc, s, here);
     const double remaining = arc.length() - s;
     if (remaining < kArrived) {
       break;
@@ -124,13 +136,18 @@ void Driver::follow(const Polyline& way) {
     }
     const double curvature = 2.0 * std::sin(error) / std::max(kLookahead, (target - here).norm());
     const double bend = std::max(std::abs(curvature), 1e-6);
-    const double fastest = std::min({limits_.cruise_speed, limits_.turn_rate / bend, std::sqrt(kSideways / bend),
-                                     std::sqrt(2.0 * 0.8 * limits_.acceleration * remaining)});
+    const double fastest =
+        std::min({limits_.cruise_speed, limits_.turn_rate / bend, std::sqrt(kSideways / bend),
+                  std::sqrt(2.0 * 0.8 * limits_.acceleration * remaining)});
     const double speed = std::max(fastest, kSlowest);
     step(speed, std::clamp(speed_ * curvature, -limits_.turn_rate, limits_.turn_rate));
   }
   while (speed_ > 0.0 || rate_ != 0.0) {
     step(0.0, 0.0);
+  }
+  // A corner just before the end leaves it to the side.
+  if ((way.back() - pose().translation()).norm() > kMissed) {
+    follow({pose().translation(), way.back()});
   }
 }
 

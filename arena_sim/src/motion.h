@@ -15,8 +15,8 @@ struct MotionLimits {
   double turn_acceleration = 6.0;
 };
 
-/// T_world_body over time, seconds from 0: samples 5 ms apart with straight lines between them, which makes it
-/// the exact truth. The yaw runs on over full turns.
+/// T_world_body over time, seconds from 0: samples 5 ms apart with straight lines between them, which makes
+/// it the exact truth. The yaw runs on over full turns.
 class Motion {
  public:
   static constexpr double kStep = 0.005;

@@ -26,25 +26,29 @@ struct Leg {
   double pause_s = 0.0;
 };
 
-/// The robot's plan: goals in ever new rooms, one leg to each, and for each the way back from it.
+/// The robot's plan: goals in ever new rooms, a leg to each, and the way home from the last.
 class Planner {
  public:
-  Planner(const Arena& arena, std::uint64_t seed) : arena_(arena), grid_(arena.segments), random_(randomStream(seed, 1)) {}
+  Planner(const Arena& arena, std::uint64_t seed)
+      : arena_(arena), grid_(arena.segments), random_(randomStream(seed, 1)) {}
 
   /// Another leg that begins where the last one ended.
   void addLeg() {
-    constexpr int kAttempts = 1000;
+    constexpr int kAttempts = 200;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      const Vector2d goal = pickGoal();
-      auto way = grid_.findWay(here_, goal, kWayClearance);
+      // The first goal is near, so that short missions have a round trip, too.
+      const bool first = legs_.empty();
+      const double within = first ? kFirstGoalWithin * (1 + attempt) : std::numeric_limits<double>::max();
+      const auto goal = sampleGoal(arena_.rooms[first ? arena_.start_room : nextRoom()], within);
+      auto way = goal ? grid_.findWay(here_, *goal, kWayClearance) : std::nullopt;
       if (way) {
         grid_.noteWay(*way);
-        legs_.push_back({*way, std::uniform_real_distribution<double>(0.3, 1.2)(random_)});
-        here_ = goal;
+        legs_.push_back({*way, uniform(0.3, 1.2)});
+        here_ = *goal;
         return;
       }
     }
-    throw common::Error("the arena has no goal that can be reached");
+    throw common::Error("the arena has no goal that can be reached; take another seed");
   }
 
   Polyline wayHome() const {
@@ -56,25 +60,26 @@ class Planner {
   const std::vector<Leg>& legs() const { return legs_; }
 
  private:
-  /// Near the start first, then anywhere in the room whose turn it is.
-  Vector2d pickGoal() {
-    while (true) {
-      const bool first = legs_.empty();
-      const Polygon& room = arena_.rooms[first ? arena_.start_room : nextRoom()];
-      Vector2d low = room.front();
-      Vector2d high = room.front();
-      for (const Vector2d& p : room) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-      }
-      const Vector2d goal{std::uniform_real_distribution<double>(low.x(), high.x())(random_),
-                          std::uniform_real_distribution<double>(low.y(), high.y())(random_)};
-      const double far = first ? kFirstGoalWithin : std::numeric_limits<double>::max();
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+
+  std::optional<Vector2d> sampleGoal(const Polygon& room, double within) {
+    Vector2d low = room.front();
+    Vector2d high = room.front();
+    for (const Vector2d& p : room) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    constexpr int kSamples = 50;
+    for (int i = 0; i < kSamples; ++i) {
+      const Vector2d goal{uniform(low.x(), high.x()), uniform(low.y(), high.y())};
       const double distance = (goal - here_).norm();
-      if (grid_.clearance(goal) >= kGoalClearance && distance >= kShortestLeg && distance < far) {
+      if (grid_.clearance(goal) >= kGoalClearance && distance >= kShortestLeg && distance <= within) {
         return goal;
       }
     }
+    return std::nullopt;
   }
 
   std::size_t nextRoom() {
@@ -110,8 +115,8 @@ Motion drive(const std::vector<Leg>& legs, const Polyline& way_home, const Motio
 }
 
 /// The same drive at the lowest speed that still fits.
-Motion stretch(const std::vector<Leg>& legs, const Polyline& way_home, double duration_s, const MotionLimits& limits,
-               Motion fitting) {
+Motion stretch(const std::vector<Leg>& legs, const Polyline& way_home, double duration_s,
+               const MotionLimits& limits, Motion fitting) {
   double slow = 0.3 * limits.cruise_speed;
   double fast = limits.cruise_speed;
   for (int i = 0; i < 8; ++i) {
@@ -137,19 +142,24 @@ Motion planRoute(const Arena& arena, std::uint64_t seed, double duration_s, cons
   std::optional<Motion> longest;
   while (true) {
     planner.addLeg();
-    Motion motion = drive(planner.legs(), planner.wayHome(), limits);
+    Polyline home = planner.wayHome();
+    Motion motion = drive(planner.legs(), home, limits);
     if (motion.duration() > duration_s) {
       break;
     }
     longest = std::move(motion);
     legs = planner.legs();
-    way_home = planner.wayHome();
+    way_home = std::move(home);
   }
   if (!longest) {
-    throw common::Error(fmt::format("no round trip of this robot fits into {} s; give it more time", duration_s));
+    throw common::Error(
+        fmt::format("no round trip of this robot fits into {} s; give it more time", duration_s));
   }
   Motion motion = stretch(legs, way_home, duration_s, limits, std::move(*longest));
-  RUBBLE_CHECK(smallestClearance(arena, motion) >= kRobotRadius);
+  if (smallestClearance(arena, motion) < kRobotRadius) {
+    throw common::Error(
+        "the robot bumps into a wall; arena_sim.motion lets it turn too slowly for its speed");
+  }
   return motion;
 }
 

@@ -75,21 +75,28 @@ void checkKeys(const YAML::Node& map, const std::string& origin, const std::stri
 
 }  // namespace
 
-void ConfigSection::fail(const Source& source, const YAML::Node& node, const char* key,
-                         const std::string& what) const {
-  throw Error(fmt::format("{}: `{}.{}` {}", placeOf(source.origin, node), path_, key, what));
+void ConfigSection::fail(const Source& source, const char* key, const std::string& what) const {
+  // The key's place: a missing value has none, a long one ends lines below.
+  std::string place = source.origin;
+  for (const auto& entry : source.map) {
+    if (entry.first.Scalar() == key) {
+      place = placeOf(source.origin, entry.first);
+      break;
+    }
+  }
+  throw Error(fmt::format("{}: `{}.{}` {}", place, path_, key, what));
 }
 
 template <typename T>
 T ConfigSection::as(const Source& source, const YAML::Node& node, const char* key,
                     const char* expected) const {
   if (node.IsNull()) {
-    fail(source, node, key, fmt::format("must be {}, found nothing", expected));
+    fail(source, key, fmt::format("must be {}, found nothing", expected));
   }
   try {
     return node.as<T>();
   } catch (const YAML::Exception&) {
-    fail(source, node, key,
+    fail(source, key,
          fmt::format("must be {}, found {}", expected,
                      node.IsScalar() ? fmt::format("`{}`", node.Scalar()) : "a list or mapping"));
   }
@@ -115,7 +122,7 @@ void ConfigSection::number(const char* key, double& value, const char* unit, dou
   apply(key, [&](const Source& source, const YAML::Node& node) {
     value = as<double>(source, node, key, "a number");
     if (!(value >= min && value <= max)) {
-      fail(source, node, key, fmt::format("= {} is outside {} .. {} {}", value, min, max, unit));
+      fail(source, key, fmt::format("= {} is outside {} .. {} {}", value, min, max, unit));
     }
   });
   document(key, fmt::format("{}", value), fmt::format("{} [{} .. {}]: {}", unit, min, max, doc));
@@ -126,7 +133,7 @@ void ConfigSection::integer(const char* key, int& value, const char* unit, int m
   apply(key, [&](const Source& source, const YAML::Node& node) {
     value = as<int>(source, node, key, "a whole number");
     if (value < min || value > max) {
-      fail(source, node, key, fmt::format("= {} is outside {} .. {} {}", value, min, max, unit));
+      fail(source, key, fmt::format("= {} is outside {} .. {} {}", value, min, max, unit));
     }
   });
   document(key, fmt::format("{}", value), fmt::format("{} [{} .. {}]: {}", unit, min, max, doc));
@@ -153,7 +160,7 @@ void ConfigSection::choice(const char* key, std::string& value, std::initializer
   apply(key, [&](const Source& source, const YAML::Node& node) {
     value = as<std::string>(source, node, key, "a text");
     if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
-      fail(source, node, key, fmt::format("= `{}`; choose one of: {}", value, fmt::join(choices, ", ")));
+      fail(source, key, fmt::format("= `{}`; choose one of: {}", value, fmt::join(choices, ", ")));
     }
   });
   document(key, value, fmt::format("{}: {}", fmt::join(choices, " | "), doc));
@@ -164,11 +171,11 @@ void ConfigSection::numbers(const char* key, std::vector<double>& values, const 
   apply(key, [&](const Source& source, const YAML::Node& node) {
     auto read = as<std::vector<double>>(source, node, key, "a list of numbers");
     if (read.size() != values.size()) {
-      fail(source, node, key, fmt::format("must hold {} numbers, found {}", values.size(), read.size()));
+      fail(source, key, fmt::format("must hold {} numbers, found {}", values.size(), read.size()));
     }
     for (const double v : read) {
       if (!(v >= min && v <= max)) {
-        fail(source, node, key, fmt::format("holds {}, outside {} .. {} {}", v, min, max, unit));
+        fail(source, key, fmt::format("holds {}, outside {} .. {} {}", v, min, max, unit));
       }
     }
     values = std::move(read);
@@ -184,7 +191,7 @@ ConfigSection& ConfigSection::section(const char* key, const char* doc) {
       return;
     }
     if (!node.IsMap()) {
-      fail(source, node, key, "must be a mapping of keys to values");
+      fail(source, key, "must be a mapping of keys to values");
     }
     child.sources_.push_back({node, source.origin});
   });
@@ -214,19 +221,23 @@ std::string ConfigSection::description() const {
 
 void Config::addFile(const std::filesystem::path& path) {
   const std::vector<std::uint8_t> bytes = readFile(path);
-  std::vector<YAML::Node> documents;
+  const std::string text(bytes.begin(), bytes.end());
+  YAML::Node root;
+  bool several = false;
   try {
-    documents = YAML::LoadAll(std::string(bytes.begin(), bytes.end()));
+    root = YAML::Load(text);
+    // Not with YAML::LoadAll, which never returns on some bad input.
+    const auto marker = text.find("\n---");
+    several = marker != std::string::npos && !YAML::Load(text.substr(0, marker)).IsNull();
   } catch (const YAML::Exception& e) {
     throw Error(fmt::format("{}:{}: not valid YAML: {}", path.string(), e.mark.line + 1, e.msg));
   }
-  if (documents.size() > 1) {
-    throw Error(fmt::format("{}: holds {} YAML documents, expected one", path.string(), documents.size()));
+  if (several) {
+    throw Error(fmt::format("{}: holds several YAML documents, expected one", path.string()));
   }
-  if (documents.empty() || documents.front().IsNull()) {
+  if (root.IsNull()) {
     return;
   }
-  const YAML::Node root = documents.front();
   if (!root.IsMap()) {
     throw Error(fmt::format("{}:1: expected sections such as `slam_lidar:`", path.string()));
   }

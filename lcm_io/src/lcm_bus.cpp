@@ -43,15 +43,15 @@ std::uint64_t hashOf(ByteView data) {
 
 }  // namespace
 
-LcmBus::LcmBus(const std::string& url, std::string process)
-    : process_(std::move(process)), from_file_(url.starts_with("file://")), lcm_(url) {
+LcmBus::LcmBus(const std::string& url, std::string process) : process_(std::move(process)), lcm_(url) {
+  if (url.starts_with("file://")) {
+    throw common::Error(fmt::format("--lcm-url {}: a log is no live bus", url));
+  }
   // The file descriptor needs the receiving socket, so that nothing is missed from here on.
   if (!lcm_.good() || lcm_.getFileno() < 0) {
     throw common::Error(fmt::format("--lcm-url {}: LCM cannot open it; {}", url, explainRefusal(url)));
   }
-  if (!from_file_) {
-    receiver_ = std::thread([this] { receive(); });
-  }
+  receiver_ = std::thread([this] { receive(); });
 }
 
 LcmBus::~LcmBus() { stopReceiving(); }
@@ -104,9 +104,6 @@ void LcmBus::listen(const std::string& channel) {
 }
 
 bool LcmBus::send(const std::string& channel, Bytes data) {
-  if (from_file_) {
-    return false;
-  }
   const ChannelInfo* info = findChannel(channel);
   if (info != nullptr && info->publisher == process_) {
     listen(channel);
@@ -141,10 +138,6 @@ void LcmBus::onMessage(const lcm_recv_buf_t& buffer, const std::string& channel)
   const ByteView data(static_cast<const std::uint8_t*>(buffer.data), buffer.data_size);
   RawMessage message{channel, buffer.recv_utime, Bytes(data.begin(), data.end())};
   const std::lock_guard lock(mutex_);
-  if (from_file_) {
-    inbox_.push_back(std::move(message));
-    return;
-  }
   newest_utime_ = message.receive_utime;
   if (isForeign(channel, data)) {
     own_[channel].foreign = true;
@@ -182,15 +175,6 @@ void LcmBus::enqueue(RawMessage message) {
 }
 
 bool LcmBus::dispatch(std::chrono::milliseconds timeout) {
-  if (from_file_) {
-    ended_ = ended_ || lcm_.handle() != 0;
-    // Not inside LCM's callback: a handler may throw, and LCM is C.
-    for (; !inbox_.empty(); inbox_.pop_front()) {
-      file_now_ = inbox_.front().receive_utime;
-      deliver(inbox_.front());
-    }
-    return !ended_;
-  }
   std::unique_lock lock(mutex_);
   arrived_.wait_for(lock, timeout, [this] { return !inbox_.empty(); });
   for (const auto& [channel, stats] : inbox_stats_) {
@@ -208,7 +192,7 @@ bool LcmBus::dispatch(std::chrono::milliseconds timeout) {
   return true;
 }
 
-common::Utime LcmBus::now() const { return from_file_ ? file_now_ : clockNow(); }
+common::Utime LcmBus::now() const { return clockNow(); }
 
 std::string LcmBus::conflict() const {
   const std::lock_guard lock(mutex_);

@@ -15,6 +15,7 @@
 #include "lcm_io/health_reporter.h"
 #include "lcm_io/host_checks.h"
 #include "lcm_io/lcm_bus.h"
+#include "lcm_io/log_bus.h"
 
 namespace rubble::lcm_io {
 
@@ -93,8 +94,16 @@ std::string warnAboutHost(const std::string& lcm_url) {
   return warnings;
 }
 
+std::unique_ptr<Bus> openBus(const std::string& url, const char* process) {
+  if (url.starts_with(LogBus::kScheme)) {
+    return std::make_unique<LogBus>(url);
+  }
+  return std::make_unique<LcmBus>(url, process);
+}
+
 void run(const Options& options, const common::Config& config, const ProcessDescription& description) {
-  LcmBus bus(options.lcm_url, description.name);
+  const std::unique_ptr<Bus> opened = openBus(options.lcm_url, description.name);
+  Bus& bus = *opened;
   const std::unique_ptr<Node> node = description.make_node({bus, config, options.state_dir});
   Reporter reporter(description.name, bus, warnAboutHost(options.lcm_url));
   ::sd_notify(0, "READY=1");

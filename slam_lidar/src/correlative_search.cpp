@@ -8,6 +8,8 @@ namespace rubble::slam_lidar {
 namespace {
 
 constexpr std::size_t kMaxPoints = 128;
+constexpr double kMaxPoses = 20000.0;
+constexpr double kMaxAngleStep = 0.1;  // radians
 
 bool near(const common::Pose2& a, const common::Pose2& b, double distance, double angle) {
   return (a.translation() - b.translation()).cwiseAbs().maxCoeff() <= distance &&
@@ -47,16 +49,25 @@ std::vector<SearchCandidate> CorrelativeSearch::search(const TiledGrid& grid, co
   if (thinned_.size() == 0) {
     return best;
   }
-  double mean_square = 0.0;
+  double mean_range = 0.0;
   for (std::size_t i = 0; i < thinned_.size(); ++i) {
-    mean_square += static_cast<double>(thinned_.x()[i] * thinned_.x()[i] + thinned_.y()[i] * thinned_.y()[i]);
+    mean_range += static_cast<double>(std::hypot(thinned_.x()[i], thinned_.y()[i]));
   }
-  const double radius = std::max(1.0, std::sqrt(mean_square / static_cast<double>(thinned_.size())));
-  const double step = grid.cellSize();
-  const double angle_step = std::min(step / radius, 0.1);
-  const int n = static_cast<int>(std::ceil(window.distance / step));
+  mean_range = std::max(1.0, mean_range / static_cast<double>(thinned_.size()));
   const double angle = std::min(window.angle, std::numbers::pi);
-  const int n_angle = static_cast<int>(std::ceil(angle / angle_step));
+  double step = grid.cellSize();
+  double angle_step = 0.0;
+  int n = 0;
+  int n_angle = 0;
+  // Coarser steps where the window would cost too much: Gauss-Newton makes up for them.
+  for (;; step += grid.cellSize()) {
+    angle_step = std::min(step / mean_range, kMaxAngleStep);
+    n = static_cast<int>(std::ceil(window.distance / step));
+    n_angle = static_cast<int>(std::ceil(angle / angle_step));
+    if ((2.0 * n + 1.0) * (2.0 * n + 1.0) * (2.0 * n_angle + 1.0) <= kMaxPoses) {
+      break;
+    }
+  }
   const GridView view = grid.view();
   const double scale = 1.0 / thinned_.totalWeight();
 

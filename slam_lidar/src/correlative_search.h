@@ -19,7 +19,7 @@ struct SearchCandidate {
 
 /// Exhaustive correlation of a scan with one grid (Olson, "Real-Time Correlative Scan Matching", ICRA 2009, with
 /// the coarse grid as the low-resolution table): steps of one cell and of the angle that moves a typical point by
-/// one cell. Deterministic.
+/// one cell, or multiples where that would be more than 20000 poses. Deterministic.
 class CorrelativeSearch {
  public:
   /// Up to `count` best poses, best first, which differ by more than two steps. The value of a pose is

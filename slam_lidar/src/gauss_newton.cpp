@@ -21,9 +21,9 @@ Match alignScan(std::span<const TiledGrid> levels, const PointSet& points, const
       const double scale = points.totalWeight() * std::pow(TUNE(AL, 1.0), level);
       const Eigen::Vector3d off(match.T_world_lidar.x - T_world_seed.x, match.T_world_lidar.y - T_world_seed.y,
                                 common::wrapAngle(match.T_world_lidar.yaw - T_world_seed.yaw));
-      const double st = TUNE(ST, 0.1), sy = TUNE(SY, 0.1);
+      const double st = TUNE(ST, 0.3), sy = TUNE(SY, 0.1);
       const double kt = 1.0 / (1.0 + off.head<2>().squaredNorm() / (st * st)), ky = 1.0 / (1.0 + off.z() * off.z() / (sy * sy));
-      const Eigen::Vector3d anchor(scale * TUNE(AT, 3.0) * kt, scale * TUNE(AT, 3.0)*kt, scale * TUNE(AY, 0.1)*ky);
+      const Eigen::Vector3d anchor(scale * TUNE(AT, 0.5) * kt, scale * TUNE(AT, 0.5)*kt, scale * TUNE(AY, 0.1)*ky);
       Eigen::Matrix3d H = match.sums.H;
       H.diagonal() += anchor + Eigen::Vector3d(1e-6, 1e-6, 1e-6);
       Eigen::Vector3d step = H.ldlt().solve(match.sums.g - anchor.cwiseProduct(off));

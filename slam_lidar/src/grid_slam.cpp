@@ -10,7 +10,6 @@
 #include "common/files.h"
 #include "grid_map.h"
 #include "scan_matcher.h"
-#include "tuning.h"
 
 namespace rubble::slam_lidar {
 namespace {
@@ -20,6 +19,13 @@ constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
 constexpr std::size_t kMaxPending = 256;
 /// A longer gap says nothing about how fast the robot is now.
 constexpr double kMaxCoasting = 0.6;
+constexpr std::uint64_t kYoungMap = 5;  // scans
+/// Share of the running score from which Gauss-Newton is taken at its word.
+constexpr double kTrusted = 0.85;
+/// Information per beam (1/m^2) at which a direction counts as half observed, and the velocity's gain in one
+/// that isn't observed at all.
+constexpr double kWeakInformation = 3.0;
+constexpr double kSlowGain = 0.3;
 
 struct PendingScan {
   common::Utime utime = 0;
@@ -47,6 +53,7 @@ struct Tracking {
   int lost_scans = 0;
   int unverified = 0;  ///< good matches still needed before scans are written again
   bool lost = false;
+  bool write_next = false;  ///< whatever the motion
 };
 
 struct GridSlam::State {
@@ -67,7 +74,7 @@ struct GridSlam::State {
   common::Pose2 coast(double dt) const {
     const double t = std::min(dt, kMaxCoasting);
     return tracking.T_world_lidar *
-           common::Pose2{TUNE(DAMP,1)*tracking.twist[0] * t, TUNE(DAMP,1)*tracking.twist[1] * t, TUNE(DAMPY,1)*tracking.twist[2] * t};
+           common::Pose2{tracking.twist[0] * t, tracking.twist[1] * t, tracking.twist[2] * t};
   }
   void loseTrack() {
     if (!tracking.lost) {
@@ -78,7 +85,11 @@ struct GridSlam::State {
     }
     tracking.twist = {};
   }
-  void moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d* H = nullptr);
+  void moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d& H);
+  /// While the map is of a few scans only, a low score says little and every scan is wanted.
+  bool young() const { return map.revision() + pending.size() < kYoungMap; }
+  ScanMatch track(const ScanInput& input, const common::Pose2& T_world_predicted, double dt);
+  ScanMatch searchLost(const common::Pose2& T_world_predicted);
   void match(const ScanInput& input, const common::Pose2& T_world_predicted, double dt, ScanResult& result);
   void writeIfDue(const ScanInput& input, ScanResult& result);
 };
@@ -99,73 +110,80 @@ void GridSlam::State::checkInput(const ScanInput& input) const {
   }
 }
 
-void GridSlam::State::moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d* H) {
-  if (dt > 0.0) {
-    const common::Pose2 T_previous_now = tracking.T_world_lidar.inverse() * T_world_lidar;
-    const std::array<double, 3> now = {T_previous_now.x / dt, T_previous_now.y / dt, T_previous_now.yaw / dt};
-    Eigen::Matrix2d K = TUNE(ALPHA, 0.3) * Eigen::Matrix2d::Identity();
-    if (H) {
-      const Eigen::Matrix2d Hs = H->topLeftCorner<2, 2>() - H->topRightCorner<2, 1>() * H->bottomLeftCorner<1, 2>() / ((*H)(2, 2) + 1e-9);
-      const Eigen::Matrix2d G = Hs * (Hs + TUNE(GAM, 3.0) * scan.points.totalWeight() * Eigen::Matrix2d::Identity()).inverse();
-      const Eigen::Matrix2d R = Eigen::Rotation2Dd(tracking.T_world_lidar.yaw).toRotationMatrix();
-      K += (TUNE(ALPHA1, 1.0) - TUNE(ALPHA, 0.3)) * R.transpose() * G * R;
-    } else K.setIdentity();
-    const Eigen::Vector2d dv = K * Eigen::Vector2d(now[0] - tracking.twist[0], now[1] - tracking.twist[1]);
-    tracking.twist[0] += dv.x(); tracking.twist[1] += dv.y();
-    tracking.twist[2] += TUNE(ALPHAY, 1.0) * (now[2] - tracking.twist[2]);
-    const double speed = std::hypot(tracking.twist[0], tracking.twist[1]);
-    if (speed > TUNE(VMAX, 2.0)) { tracking.twist[0] *= TUNE(VMAX, 2.0) / speed; tracking.twist[1] *= TUNE(VMAX, 2.0) / speed; }
-  }
+void GridSlam::State::moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d& H) {
+  const common::Pose2 T_previous_now = tracking.T_world_lidar.inverse() * T_world_lidar;
+  const Eigen::Vector2d measured = T_previous_now.translation() / dt;
+  // The velocity follows the match at once in directions the scan observes, slowly in the others: noise along a
+  // bare corridor would otherwise feed on itself.
+  const Eigen::Matrix2d H_xy = H.topLeftCorner<2, 2>() -
+                               H.topRightCorner<2, 1>() * H.bottomLeftCorner<1, 2>() / std::max(H(2, 2), 1e-9);
+  const double weak = kWeakInformation * scan.points.totalWeight();
+  const Eigen::Matrix2d observed = H_xy * (H_xy + weak * Eigen::Matrix2d::Identity()).inverse();
+  const Eigen::Matrix2d R_world_lidar = Eigen::Rotation2Dd(tracking.T_world_lidar.yaw).toRotationMatrix();
+  const Eigen::Matrix2d gain = kSlowGain * Eigen::Matrix2d::Identity() +
+                               (1.0 - kSlowGain) * R_world_lidar.transpose() * observed * R_world_lidar;
+  Eigen::Vector2d velocity(tracking.twist[0], tracking.twist[1]);
+  velocity += gain * (measured - velocity);
+  velocity *= std::min(1.0, config.match.max_speed / std::max(velocity.norm(), 1e-9));
+  tracking.twist = {velocity.x(), velocity.y(), T_previous_now.yaw / dt};
   tracking.T_world_lidar = T_world_lidar;
+}
+
+ScanMatch GridSlam::State::track(const ScanInput& input, const common::Pose2& T_world_predicted, double dt) {
+  const std::array<common::Pose2, 3> all = {T_world_predicted, coast(dt), tracking.T_world_lidar};
+  const std::span<const common::Pose2> seeds = input.prior ? std::span(all) : std::span(all).subspan(1);
+  const double gap = std::clamp(dt / kMaxCoasting, 1.0, 4.0);
+  const SearchWindow window{T_world_predicted, gap * config.search.local_distance, gap * config.search.local_angle};
+  ScanMatch found = matcher.track(map.levels(), scan.points, seeds, window, kTrusted * tracking.expected_score);
+  tracking.expected_score += 0.1 * (found.score - tracking.expected_score);
+  return found;
+}
+
+ScanMatch GridSlam::State::searchLost(const common::Pose2& T_world_predicted) {
+  ScanMatch found;
+  if (tracking.lost_scans % config.search.wide_period == 0) {
+    const SearchWindow window{T_world_predicted, tracking.search_distance, tracking.search_angle};
+    found = matcher.search(map.levels(), scan.points, window);
+    // Half of the scan has to lie in known space, or a corner of the map would explain anything.
+    found.score *= std::min(1.0, 2.0 * found.match.sums.agree / scan.points.totalWeight());
+    found.search = SearchKind::kWide;
+  }
+  return found;
 }
 
 void GridSlam::State::match(const ScanInput& input, const common::Pose2& T_world_predicted, double dt,
                             ScanResult& result) {
-  ScanMatch found;
-  if (!tracking.lost) {
-    const std::array<common::Pose2, 3> all = {T_world_predicted, coast(dt), tracking.T_world_lidar};
-    const std::span<const common::Pose2> seeds =
-        input.prior ? std::span(all) : std::span(all).subspan(1);
-    const SearchWindow window{T_world_predicted, config.search.local_distance, config.search.local_angle};
-    found = matcher.track(map.levels(), scan.points, seeds, window, TUNE(EXPF, 0.85) * tracking.expected_score);
-    tracking.expected_score += 0.1 * (found.score - tracking.expected_score);
-  } else {
-    found.search = SearchKind::kNone;
-    if (tracking.lost_scans % config.search.wide_period == 0) {
-      const SearchWindow window{T_world_predicted, tracking.search_distance, tracking.search_angle};
-      found = matcher.search(map.levels(), scan.points, window);
-      found.search = SearchKind::kWide;
-    }
-  }
+  const bool was_lost = tracking.lost;
+  const ScanMatch found = was_lost ? searchLost(T_world_predicted) : track(input, T_world_predicted, dt);
   result.search = found.search;
   result.score = found.score;
-  const bool enough = found.score >= (tracking.lost ? config.match.good_score : config.match.lost_score);
-  if (enough) {
-    if (tracking.lost) {
-      tracking.lost = false;
+  const bool given_up = was_lost && tracking.lost_scans >= config.search.give_up_scans;
+  if (young() || found.score >= (was_lost ? config.match.good_score : config.match.lost_score)) {
+    result.matched = true;
+    result.covariance =
+        matchCovariance(found.match.sums, scan.points.totalWeight(), map.finest().cellSize());
+    if (was_lost) {
       tracking.unverified = config.match.verify_scans;
       tracking.T_world_lidar = found.match.T_world_lidar;
-      tracking.twist = {};
       tracking.expected_score = found.score;
     } else {
-      moveTo(found.match.T_world_lidar, dt, &found.match.sums.H);
+      moveTo(found.match.T_world_lidar, dt, found.match.sums.H);
       tracking.unverified = std::max(0, tracking.unverified - 1);
     }
-    result.matched = true;
-    result.status = tracking.unverified == 0 ? MatchStatus::kGood : MatchStatus::kUncertain;
-    result.covariance = matchCovariance(found.match.sums, scan.points.totalWeight(),
-                                        map.finest().cellSize());
+    tracking.lost = false;
+  } else if (given_up) {
+    tracking.T_world_lidar = T_world_predicted;
+    tracking.unverified = 0;
+    tracking.expected_score = 0.0;
+    tracking.lost = false;
+    tracking.write_next = true;
   } else {
     loseTrack();
     tracking.T_world_lidar = T_world_predicted;
-    if (++tracking.lost_scans > config.search.give_up_scans) {
-      tracking.lost = false;
-      tracking.unverified = 0;
-      tracking.expected_score = 0.0;
-      result.matched = true;
-      result.status = MatchStatus::kGood;
-    }
+    ++tracking.lost_scans;
+    return;
   }
+  result.status = tracking.unverified == 0 ? MatchStatus::kGood : MatchStatus::kUncertain;
 }
 
 void GridSlam::State::writeIfDue(const ScanInput& input, ScanResult& result) {
@@ -175,11 +193,12 @@ void GridSlam::State::writeIfDue(const ScanInput& input, ScanResult& result) {
   }
   const common::Pose2 moved = tracking.T_world_written.inverse() * tracking.T_world_lidar;
   const bool first = map.empty() && pending.empty();
-  if (!first && moved.translation().norm() < config.map.write_distance &&
+  if (!young() && !tracking.write_next && moved.translation().norm() < config.map.write_distance &&
       std::abs(moved.yaw) < config.map.write_angle) {
     return;
   }
   tracking.T_world_written = tracking.T_world_lidar;
+  tracking.write_next = false;
   // Nothing can be matched before the first scan is there: it isn't held.
   if (input.hold_write && !first) {
     if (pending.size() == kMaxPending) {
@@ -271,6 +290,8 @@ int GridSlam::discardPending(common::Utime from) {
 
 std::size_t GridSlam::pendingCount() const { return state_->pending.size(); }
 
+common::Pose2 GridSlam::pose() const { return state_->tracking.T_world_lidar; }
+
 double GridSlam::cellSize() const { return state_->map.finest().cellSize(); }
 
 std::uint64_t GridSlam::mapRevision() const { return state_->map.revision(); }
@@ -316,6 +337,7 @@ std::vector<std::uint8_t> GridSlam::serialise() const {
   out.put(t.lost_scans);
   out.put(t.unverified);
   out.put(t.lost);
+  out.put(t.write_next);
   state_->map.save(out);
   out.put(static_cast<std::uint64_t>(state_->pending.size()));
   for (const PendingScan& scan : state_->pending) {
@@ -359,6 +381,7 @@ GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::ui
   t.lost_scans = in.get<int>();
   t.unverified = in.get<int>();
   t.lost = in.get<std::uint8_t>() != 0;
+  t.write_next = in.get<std::uint8_t>() != 0;
   state->map.load(in);
   state->pending.resize(in.getCount(sizeof(common::Utime) + sizeof(common::Pose2)));
   for (PendingScan& scan : state->pending) {

@@ -27,6 +27,7 @@ void visit(common::ConfigSection& section, GridSlamConfig& config) {
 
   auto& match = section.section("match", "scan to map alignment");
   match.integer("max_iterations", config.match.max_iterations, "", 1, 100, "Gauss-Newton steps on each level");
+  match.number("max_speed", config.match.max_speed, "m/s", 0.1, 50.0, "of the robot: bounds the predicted motion");
   match.number("lost_score", config.match.lost_score, "", 0.0, 1.0, "a match that scores less is no match");
   match.number("good_score", config.match.good_score, "", 0.0, 1.0,
                "after a loss, a match has to score this to be trusted again");

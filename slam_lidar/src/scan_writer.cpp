@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include "tuning.h"
 #include <cstdlib>
 
 namespace rubble::slam_lidar {
 namespace {
+
+const double kSameSurface = std::getenv("SURF") ? atof(getenv("SURF")) : 1.0;  // metres
 
 int logOdds(double probability) {
   return static_cast<int>(std::lround(kLogOddsScale * std::log(probability / (1.0 - probability))));
@@ -15,9 +16,9 @@ int logOdds(double probability) {
 }  // namespace
 
 ScanWriter::ScanWriter(const GridSlamConfig& config)
-    : hit_(logOdds(TUNE(HIT,0.8))),
-      miss_(logOdds(TUNE(MISS,0.45))),
-      limit_(static_cast<int>(std::lround(kLogOddsScale * TUNE(MAXL,6.0)))),
+    : hit_(logOdds(config.map.hit_probability)),
+      miss_(logOdds(config.map.miss_probability)),
+      limit_(static_cast<int>(std::lround(kLogOddsScale * config.map.max_log_odds))),
       free_space_range_(config.scan.free_space_range) {}
 
 void ScanWriter::traceFree(TiledGrid& grid, const Eigen::Vector2i& from, const Eigen::Vector2i& to) const {
@@ -52,15 +53,26 @@ void ScanWriter::write(TiledGrid& grid, const common::Pose2& T_world_lidar, std:
     return Eigen::Vector2i(static_cast<int>(origin.x() + c * x - s * y), static_cast<int>(origin.y() + s * x + c * y));
   };
   ends_.clear();
-  for (const RayEnd& ray : rays) {
-    const double x = static_cast<double>(ray.x);
-    const double y = static_cast<double>(ray.y);
-    if (ray.hit) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const double x = static_cast<double>(rays[i].x);
+    const double y = static_cast<double>(rays[i].y);
+    if (rays[i].hit) {
       const Eigen::Vector2i cell = cellOf(x, y);
       grid.addEvidence(cell.x(), cell.y(), hit_, limit_);
     }
-    const double range=std::hypot(x,y); const double shorten = std::min(range - TUNE(KEEP,0.0)*view.cell_size, TUNE(FREE,15.0)) / range;
-    ends_.push_back(cellOf(x * shorten, y * shorten));
+    // Along a wall seen at a grazing angle a beam passes through cells its neighbours hit. It therefore frees
+    // only what its neighbours on the same surface free too.
+    const double range = std::hypot(x, y);
+    double free_range = std::min(range, free_space_range_);
+    for (const std::size_t k : {i - 1, i + 1}) {
+      if (k < rays.size()) {
+        const double other = static_cast<double>(std::hypot(rays[k].x, rays[k].y));
+        if (other < range && range - other < kSameSurface) {
+          free_range = std::min(free_range, other);
+        }
+      }
+    }
+    ends_.push_back(cellOf(x * free_range / range, y * free_range / range));
   }
   const Eigen::Vector2i start = cellOf(0.0, 0.0);
   for (const Eigen::Vector2i& end : ends_) {

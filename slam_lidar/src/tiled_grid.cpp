@@ -17,7 +17,7 @@ std::array<std::uint8_t, 2 * kByteLimit + 1> makeByteTable() {
   std::array<std::uint8_t, 2 * kByteLimit + 1> table{};
   for (int l = -kByteLimit; l <= kByteLimit; ++l) {
     const double p = 1.0 / (1.0 + std::exp(-l / kLogOddsScale));
-    table[static_cast<std::size_t>(l + kByteLimit)] = static_cast<std::uint8_t>(std::clamp<long>(std::lround(p > 0.5 ? 128+ 127*(2*p-1)  : TUNE(FLOORP,0.9)*128 + (1-TUNE(FLOORP,0.9))*128*2*p), 0, 255));
+    table[static_cast<std::size_t>(l + kByteLimit)] = static_cast<std::uint8_t>(std::clamp<long>(std::lround(p > 0.5 ? 128+ 127*std::tanh(l / kLogOddsScale / TUNE(SOFT, 2.0))/std::tanh(6/TUNE(SOFT,2.0))  : TUNE(FLOORP,0.9)*128 + (1-TUNE(FLOORP,0.9))*128*2*p), 0, 255));
   }
   return table;
 }

@@ -81,6 +81,7 @@ TEST_F(ConfigTest, EmptyFilesAndSectionsChangeNothing) {
   add("");
   add("# only a comment\n");
   add("fusion:\n");
+  add("# comment\n---\nfusion: {}\n");
   addSection("  map:\n    # cell_size: 0.1\n");
   EXPECT_EQ(read().map.cell_size, 0.05);
 }
@@ -168,7 +169,7 @@ TEST_F(ConfigTest, BadFilesNamePlaceAndReason) {
   EXPECT_THAT(errorOfFile("fusion:\n  gain: [1\n"), StartsWith(place(3) + "not valid YAML: "));
   EXPECT_EQ(errorOfFile("- 1\n"), place(1) + "expected sections such as `slam_lidar:`");
   EXPECT_THAT(errorOfFile("fusion: {}\n---\nfusion: {gain: 2}\n"),
-              HasSubstr("c.yaml: holds 2 YAML documents, expected one"));
+              HasSubstr("c.yaml: holds several YAML documents, expected one"));
   EXPECT_THAT(errorOf([&] { config_.addFile(dir_.path() / "none.yaml"); }),
               HasSubstr("none.yaml: cannot be read (No such file or directory)"));
   EXPECT_THAT(errorOf([&] { config_.addFile(dir_.path()); }), HasSubstr(": cannot be read (Is a directory)"));

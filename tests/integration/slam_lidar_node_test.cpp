@@ -113,7 +113,8 @@ class SlamLidarNodeTest : public testing::Test {
   void walk(int scans) {
     for (int i = 0; i < scans; ++i) {
       now_ += kScanPeriod;
-      T_world_lidar_ = T_world_lidar_ * Pose2{0.04, 0.0, 0.02};
+      // The first scan's pose is the origin of world.
+      T_world_lidar_ = poses_.empty() ? Pose2{} : T_world_lidar_ * Pose2{0.04, 0.0, 0.02};
       if (control_) {
         control_->utime = now_;
         feed(lcm_io::channel::kLidarControl, *control_);

@@ -1,17 +1,19 @@
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <fstream>
+#include <optional>
 #include <rubble/health_t.hpp>
 
 #include "lcm_io/channels.h"
 #include "lcm_io/lcm_bus.h"
 #include "log_content.h"
-#include "temporary_folder.h"
+#include "small_disk.h"
+#include "support/child_process.h"
+#include "support/lcm_url.h"
+#include "support/shell.h"
+#include "support/temp_dir.h"
 
 namespace rubble::ops_console {
 namespace {
@@ -22,55 +24,45 @@ constexpr std::size_t kMessageBytes = 2000;
 /// The real rubble-console on a port of its own, and a publisher beside it.
 class ConsoleProcessTest : public testing::Test {
  protected:
-  ConsoleProcessTest()
-      : url_("udpm://239.255.76.67:" + std::to_string(20'000 + ::getpid() % 20'000) +
-             "?ttl=0&recv_buf_size=4194304"),
-        bus_(url_, "test") {
-    bus_.subscribe<rubble::health_t>(lcm_io::channel::kHealth,
-                                     [this](const rubble::health_t& h) { health_ = h; });
+  void SetUp() override {
+    RUBBLE_NEEDS_MULTICAST();
+    url_ = test::privateLcmUrl();
+    bus_.emplace(url_, "test");
+    bus_->subscribe<rubble::health_t>(lcm_io::channel::kHealth,
+                                      [this](const rubble::health_t& h) { health_ = h; });
   }
-  ~ConsoleProcessTest() override { stop(SIGKILL); }
 
   void start(const std::filesystem::path& log_dir) {
-    const std::string set = "ops_console.log_dir=" + log_dir.string();
-    const std::array<const char*, 6> argv{RUBBLE_CONSOLE, "--lcm-url", url_.c_str(),
-                                          "--set",        set.c_str(), nullptr};
-    ASSERT_EQ(
-        ::posix_spawn(&pid_, RUBBLE_CONSOLE, nullptr, nullptr, const_cast<char**>(argv.data()), environ), 0);
-    ASSERT_TRUE(waitFor([&] { return health_.pid == pid_; }));
+    console_.emplace(std::vector<std::string>{RUBBLE_CONSOLE, "--lcm-url", url_, "--set",
+                                              "ops_console.log_dir=" + log_dir.string()});
+    ASSERT_TRUE(waitFor([&] { return health_.pid == console_->pid(); }));
   }
 
-  /// Exit status of the console, -1 when a signal ended it.
-  int stop(int signal) {
-    if (pid_ == 0) {
-      return -1;
-    }
-    ::kill(std::exchange(pid_, 0), signal);
-    int status = 0;
-    ::wait(&status);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  std::optional<int> stop(int signal) {
+    console_->signal(signal);
+    return console_->wait();
   }
 
   void publish(std::size_t bytes = kMessageBytes) {
-    bus_.publishRaw("TEST", numbered("TEST", sent_++, bytes, 0).data);
+    bus_->publishRaw("TEST", numbered("TEST", sent_++, bytes, 0).data);
   }
 
   /// Publishes one message per millisecond or so, as `each` does, until the condition holds.
   template <typename Condition>
   bool publishUntil(Condition condition, std::size_t bytes = kMessageBytes) {
-    const common::Utime deadline = bus_.now() + 15 * kSecond;
-    while (!condition() && bus_.now() < deadline) {
+    const common::Utime deadline = bus_->now() + 15 * kSecond;
+    while (!condition() && bus_->now() < deadline) {
       publish(bytes);
-      bus_.dispatch(std::chrono::milliseconds(1));
+      bus_->dispatch(std::chrono::milliseconds(1));
     }
     return condition();
   }
 
   template <typename Condition>
   bool waitFor(Condition condition) {
-    const common::Utime deadline = bus_.now() + 15 * kSecond;
-    while (!condition() && bus_.now() < deadline) {
-      bus_.dispatch(std::chrono::milliseconds(20));
+    const common::Utime deadline = bus_->now() + 15 * kSecond;
+    while (!condition() && bus_->now() < deadline) {
+      bus_->dispatch(std::chrono::milliseconds(20));
     }
     return condition();
   }
@@ -84,32 +76,30 @@ class ConsoleProcessTest : public testing::Test {
     return 0;
   }
 
-  const std::string url_;
-  lcm_io::LcmBus bus_;
+  std::string url_;
+  std::optional<lcm_io::LcmBus> bus_;
+  std::optional<test::ChildProcess> console_;
   rubble::health_t health_{};
-  ::pid_t pid_ = 0;
   std::uint32_t sent_ = 0;
 };
 
 /// Events that the real lcm-logplayer plays from the log.
 std::size_t playedByLogplayer(const std::filesystem::path& log) {
-  const std::string command = "lcm-logplayer -v -s 1000 -l memq:// " + log.string() + " 2>&1";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
+  const test::ShellResult played = test::shell("lcm-logplayer -v -s 1000 -l memq:// " + log.string());
+  EXPECT_EQ(played.status, 0) << played.output;
   std::size_t events = 0;
-  std::array<char, 512> line{};
-  while (std::fgets(line.data(), static_cast<int>(line.size()), pipe) != nullptr) {
-    events += std::string_view(line.data()).find(" Channel ") != std::string_view::npos ? 1 : 0;
+  for (std::size_t at = 0; (at = played.output.find(" Channel ", at)) != std::string::npos; ++at) {
+    ++events;
   }
-  EXPECT_EQ(::pclose(pipe), 0);
   return events;
 }
 
 TEST_F(ConsoleProcessTest, KilledItLeavesALogUpToTheLastSecond) {
-  const TemporaryFolder folder;
+  const test::TempDir folder;
   start(folder.path());
   ASSERT_TRUE(publishUntil([&] { return counter("logged") > 1500; }));
-  stop(SIGKILL);
-  const common::Utime killed_utime = bus_.now();
+  EXPECT_EQ(stop(SIGKILL), 128 + SIGKILL);
+  const common::Utime killed_utime = bus_->now();
 
   const auto events = eventsIn(folder.path(), true);
   ASSERT_FALSE(events.empty());
@@ -122,7 +112,7 @@ TEST_F(ConsoleProcessTest, KilledItLeavesALogUpToTheLastSecond) {
 }
 
 TEST_F(ConsoleProcessTest, TerminatedItLogsAllThatWasPublished) {
-  const TemporaryFolder folder;
+  const test::TempDir folder;
   start(folder.path());
   for (int i = 0; i < 1000; ++i) {
     publish();
@@ -152,10 +142,11 @@ TEST_F(ConsoleProcessTest, FullDiskIsReportedAndSurvived) {
   EXPECT_GE(filesIn(disk.path()).size(), 2U);
 }
 
-TEST_F(ConsoleProcessTest, WrongConfigurationEndsItWithOneLine) {
-  EXPECT_EQ(
-      std::system((std::string(RUBBLE_CONSOLE) + " --set ops_console.rotate_mb=15000 2>/dev/null").c_str()),
-      1 << 8);
+TEST(ConsoleProcess, WrongConfigurationEndsItWithOneLine) {
+  test::ChildProcess console({RUBBLE_CONSOLE, "--set", "ops_console.rotate_mb=15000"});
+  EXPECT_EQ(console.wait(), 1);
+  EXPECT_NE(console.err().find("ops_console.quota_mb"), std::string::npos) << console.err();
+  EXPECT_EQ(std::count(console.err().begin(), console.err().end(), '\n'), 1);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <random>
 
-#include "temporary_folder.h"
+#include "support/temp_dir.h"
 
 namespace rubble::ops_console {
 namespace {
@@ -38,7 +38,7 @@ TEST(LogFiles, OthersAreNotTaken) {
 }
 
 TEST(LogFiles, CollisionsGetTheNextFreeName) {
-  const TemporaryFolder folder;
+  const test::TempDir folder;
   for (int i = 0; i < 102; ++i) {
     const auto path = freeLogPath(folder.path(), kSomeTime);
     ASSERT_FALSE(std::filesystem::exists(path));

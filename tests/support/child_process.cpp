@@ -4,7 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/pidfd.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -57,7 +57,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments,
   ::close(err[1]);
   pipes_ = {out[0], err[0]};
   RUBBLE_CHECK(error == 0);
-  pidfd_ = ::pidfd_open(pid_, 0);
+  pidfd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));  // glibc declares it for C only.
   RUBBLE_CHECK(pidfd_ >= 0);
 }
 

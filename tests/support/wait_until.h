@@ -16,7 +16,7 @@ bool waitUntil(const Condition& condition, std::chrono::milliseconds timeout = k
     if (std::chrono::steady_clock::now() > deadline) {
       return false;
     }
-    std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return true;
 }

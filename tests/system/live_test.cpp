@@ -13,9 +13,10 @@
 #include "common/trajectory.h"
 #include "lcm_io/log_file.h"
 #include "support/child_process.h"
-#include "support/private_lcm_url.h"
+#include "support/lcm_url.h"
 #include "support/shell.h"
 #include "support/temp_dir.h"
+#include "support/wait_until.h"
 
 // The processes as processes: a log is played over udpm, the console logs, and what it logged is held to
 // replay.
@@ -26,6 +27,12 @@ namespace {
 const std::string kBin = std::string(RUBBLE_BIN_DIR) + "/";
 const std::vector<std::string> kOthers = {"rubble-camera",    "rubble-lidar",  "rubble-stabilizer",
                                           "rubble-slam-mono", "rubble-fusion", "rubble-recognizer"};
+
+/// Exit status after SIGTERM.
+int terminate(test::ChildProcess& process) {
+  process.signal(SIGTERM);
+  return process.wait().value_or(-1);
+}
 
 class LiveTest : public testing::Test {
  protected:
@@ -75,6 +82,7 @@ class LiveTest : public testing::Test {
 };
 
 TEST_F(LiveTest, TheWholeGraphGivesReplaysTrajectoryAndItsLogGivesItAgain) {
+  RUBBLE_NEEDS_MULTICAST();
   const auto console = startConsole("log");
   const auto slam = start("rubble-slam-lidar");
   std::vector<std::unique_ptr<test::ChildProcess>> others;
@@ -85,10 +93,10 @@ TEST_F(LiveTest, TheWholeGraphGivesReplaysTrajectoryAndItsLogGivesItAgain) {
                            "slam_lidar,ops_console,slam_mono,fusion,recognizer,camera,lidar,stabilizer");
   ASSERT_EQ(played.status, 0) << played.output;
   for (const auto& process : others) {
-    EXPECT_EQ(process->terminate(), 0);
+    EXPECT_EQ(terminate(*process), 0);
   }
-  EXPECT_EQ(slam->terminate(), 0);
-  EXPECT_EQ(console->terminate(), 0);
+  EXPECT_EQ(terminate(*slam), 0);
+  EXPECT_EQ(terminate(*console), 0);
 
   const std::string log = onlyLog("log");
   const auto exported = test::shell(kBin + "rubble export results " + log + " --out " + path("live"));
@@ -101,23 +109,25 @@ TEST_F(LiveTest, TheWholeGraphGivesReplaysTrajectoryAndItsLogGivesItAgain) {
 }
 
 TEST_F(LiveTest, KilledGridSlamComesBackWithItsMap) {
+  RUBBLE_NEEDS_MULTICAST();
   const auto console = startConsole("log_killed");
   const std::vector<std::string> state = {"--state-dir", path("state"), "--set",
                                           "slam_lidar.checkpoint_period=1.0"};
   auto slam = start("rubble-slam-lidar", state);
   test::ChildProcess player({kBin + "rubble", "play", path("mission/mission.lcm"), "--lcm-url", url_,
                              "--wait-for", "slam_lidar,ops_console"});
-  ASSERT_TRUE(test::waitFor([&] { return std::filesystem::exists(path("state/slam_lidar.checkpoint")); }));
+  ASSERT_TRUE(test::waitUntil([&] { return std::filesystem::exists(path("state/slam_lidar.checkpoint")); }));
   const auto first = std::filesystem::last_write_time(path("state/slam_lidar.checkpoint"));
-  ASSERT_TRUE(test::waitFor([&] {
+  ASSERT_TRUE(test::waitUntil([&] {
     return std::filesystem::last_write_time(path("state/slam_lidar.checkpoint")) - first >=
            std::chrono::seconds(8);
   }));
-  slam->kill();
+  slam->signal(SIGKILL);
+  EXPECT_EQ(slam->wait(), 128 + SIGKILL);
   slam = start("rubble-slam-lidar", state);
   EXPECT_EQ(player.wait(std::chrono::seconds(60)), 0);
-  EXPECT_EQ(slam->terminate(), 0);
-  EXPECT_EQ(console->terminate(), 0);
+  EXPECT_EQ(terminate(*slam), 0);
+  EXPECT_EQ(terminate(*console), 0);
 
   const auto exported =
       test::shell(kBin + "rubble export results " + onlyLog("log_killed") + " --out " + path("killed"));

@@ -22,23 +22,26 @@ using lcm_io::HostCheck;
 
 HostCheck checkProgram(const std::string& name, const std::string& package) {
   const auto path = findProgram(name);
-  return {name, path.has_value(),
-          path ? path->string() : fmt::format("not found; fix: apt-get install {}", package)};
+  return {.name = name,
+          .ok = path.has_value(),
+          .text = path ? path->string() : fmt::format("not found; fix: apt-get install {}", package)};
 }
 
 HostCheck checkGraphicalJava() {
   const bool ok = hasGraphicalJava();
-  return {"java", ok,
-          ok ? "can open windows"
-             : "missing or headless, lcm-spy cannot start; fix: apt-get install default-jre"};
+  return {.name = "java",
+          .ok = ok,
+          .text = ok ? "can open windows"
+                     : "missing or headless, lcm-spy cannot start; fix: apt-get install default-jre"};
 }
 
 HostCheck checkTypesJar() {
   const std::filesystem::path jar = typesJar();
   const bool ok = std::filesystem::exists(jar);
-  return {
-      "types for lcm-spy", ok,
-      ok ? jar.string() : fmt::format("{} is missing; fix: build the target rubble_types_jar", jar.string())};
+  return {.name = "types for lcm-spy",
+          .ok = ok,
+          .text = ok ? jar.string()
+                     : fmt::format("{} is missing; fix: build the target rubble_types_jar", jar.string())};
 }
 
 /// A mission's log takes about 1 GB per hour.
@@ -48,14 +51,16 @@ HostCheck checkDisk(const std::string& folder) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
   if (error) {
-    return {"disk", false,
-            fmt::format("{}: {}; fix: give --log-dir a folder that exists", folder, error.message())};
+    return {.name = "disk",
+            .ok = false,
+            .text = fmt::format("{}: {}; fix: give --log-dir a folder that exists", folder, error.message())};
   }
   const auto available = static_cast<double>(space.available);
   const bool ok = available >= kNeeded;
-  return {"disk", ok,
-          fmt::format("{:.1f} GB free at {}{}", available / kGigabyte, folder,
-                      ok ? "" : fmt::format("; fix: free at least {:.0f} GB", kNeeded / kGigabyte))};
+  return {.name = "disk",
+          .ok = ok,
+          .text = fmt::format("{:.1f} GB free at {}{}", available / kGigabyte, folder,
+                              ok ? "" : fmt::format("; fix: free at least {:.0f} GB", kNeeded / kGigabyte))};
 }
 
 /// A board without a battery for its clock starts in 1970.
@@ -65,9 +70,11 @@ HostCheck checkClock() {
   const bool ok = today.year() >= year(2024) && today.year() < year(2100);
   const int y = static_cast<int>(today.year());
   return {
-      "clock", ok,
-      ok ? fmt::format("the year is {}", y)
-         : fmt::format("the year is {}; fix: timedatectl set-ntp true, or date -s 'YYYY-MM-DD hh:mm'", y)};
+      .name = "clock",
+      .ok = ok,
+      .text = ok ? fmt::format("the year is {}", y)
+                 : fmt::format("the year is {}; fix: timedatectl set-ntp true, or date -s 'YYYY-MM-DD hh:mm'",
+                               y)};
 }
 
 struct Options {

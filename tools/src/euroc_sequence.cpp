@@ -2,7 +2,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "common/error.h"
 #include "picture_sequence.h"
@@ -71,7 +71,7 @@ rubble::camera_info_t readIntrinsics(const YAML::Node& yaml) {
 CameraSensor readSensor(const std::filesystem::path& path) {
   TextFile file = readTextFile(path);
   if (file.text.starts_with("%YAML:")) {
-    file.text.insert(0, "#");  // OpenCV's header is no YAML.
+    file.text[0] = '#';  // OpenCV's header is no YAML.
   }
   try {
     const YAML::Node yaml = YAML::Load(file.text);

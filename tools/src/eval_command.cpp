@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "command.h"
@@ -18,6 +19,8 @@ namespace rubble::tools {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct Options {
   std::string estimate;
   std::string truth;
@@ -28,41 +31,41 @@ struct Options {
   double tolerance = 0.05;
 };
 
-void addStatistics(Report& report, const std::string& name, const std::string& unit,
+void addStatistics(Json& report, const std::string& name, const std::string& unit,
                    const Statistics& statistics) {
-  report.add(name + "_mean_" + unit, statistics.mean);
-  report.add(name + "_median_" + unit, statistics.median);
-  report.add(name + "_rmse_" + unit, statistics.rmse);
-  report.add(name + "_std_" + unit, statistics.std);
-  report.add(name + "_max_" + unit, statistics.max);
+  report[name + "_mean_" + unit] = statistics.mean;
+  report[name + "_median_" + unit] = statistics.median;
+  report[name + "_rmse_" + unit] = statistics.rmse;
+  report[name + "_std_" + unit] = statistics.std;
+  report[name + "_max_" + unit] = statistics.max;
 }
 
 void evalAte(const Options& options) {
   const common::Trajectory estimate = common::readTum(options.estimate);
   const common::Trajectory truth = common::readTum(options.truth);
   const AteResult result = evaluateAte(estimate, truth, options.alignment, options.max_gap);
-  Report report;
-  report.add("poses", result.poses);
-  report.add("matched", result.matched);
-  report.add("truth_poses", result.truth_poses);
-  report.add("tracked_share", result.tracked_share);
+  Json report;
+  report["poses"] = result.poses;
+  report["matched"] = result.matched;
+  report["truth_poses"] = result.truth_poses;
+  report["tracked_share"] = result.tracked_share;
   addStatistics(report, "translation", "m", result.translation_m);
-  report.add("z_rmse_m", result.z_rmse_m);
-  report.add("attitude_rmse_deg", result.attitude_rmse_deg);
-  report.add("rotation_rmse_deg", result.rotation_rmse_deg);
-  report.add("scale", result.scale);
-  report.print(options.json);
+  report["z_rmse_m"] = result.z_rmse_m;
+  report["attitude_rmse_deg"] = result.attitude_rmse_deg;
+  report["rotation_rmse_deg"] = result.rotation_rmse_deg;
+  report["scale"] = result.scale;
+  printReport(report, options.json);
 }
 
 void evalRelations(const Options& options) {
   const RelationsResult result = evaluateRelations(common::readTum(options.estimate),
                                                    readRelations(options.truth), options.max_difference);
-  Report report;
-  report.add("matched", result.matched);
-  report.add("total", result.total);
+  Json report;
+  report["matched"] = result.matched;
+  report["total"] = result.total;
   addStatistics(report, "translation", "m", result.translation_m);
   addStatistics(report, "rotation", "deg", result.rotation_deg);
-  report.print(options.json);
+  printReport(report, options.json);
   if (result.matched < result.total) {
     warn(fmt::format("{} of {} relations have no pose near both their stamps", result.total - result.matched,
                      result.total));
@@ -73,13 +76,13 @@ void evalMap(const Options& options) {
   const auto map = readOccupiedCells(options.estimate);
   const auto truth = readOccupiedCells(options.truth);
   const MapResult result = evaluateMap(map, truth, options.tolerance);
-  Report report;
-  report.add("precision", result.precision);
-  report.add("recall", result.recall);
-  report.add("map_occupied_cells", static_cast<int>(map.size()));
-  report.add("truth_occupied_cells", static_cast<int>(truth.size()));
-  report.add("tolerance_m", options.tolerance);
-  report.print(options.json);
+  Json report;
+  report["precision"] = result.precision;
+  report["recall"] = result.recall;
+  report["map_occupied_cells"] = map.size();
+  report["truth_occupied_cells"] = truth.size();
+  report["tolerance_m"] = options.tolerance;
+  printReport(report, options.json);
 }
 
 CLI::App* addEvaluation(CLI::App& parent, const char* name, const char* purpose, const char* estimate,

@@ -57,22 +57,22 @@ Content readContent(const std::filesystem::path& log) {
 
 bool fitsFlaser(const Scan& scan) {
   constexpr double kTolerance = 1e-5;  // rad, for the first and the last beam
-  const double n = scan.nranges;
-  return std::abs(scan.rad0 - kFlaserRad0) < kTolerance &&
-         std::abs(scan.radstep - flaserStep(scan.ranges.size())) * n < kTolerance;
+  const double rad0 = scan.rad0;
+  const double radstep = scan.radstep;
+  return std::abs(rad0 - kFlaserRad0) < kTolerance &&
+         std::abs(radstep - flaserStep(scan.ranges.size())) * scan.nranges < kTolerance;
 }
 
 /// What stands for no return: a SICK's value, or a round one beyond the farthest hit.
 double noReturnValue(const std::vector<Scan>& scans) {
-  float farthest = 0.0F;
+  double farthest = 0.0;
   for (const Scan& scan : scans) {
     for (const float range : scan.ranges) {
-      farthest = isHit(range) ? std::max(farthest, range) : farthest;
+      farthest = isHit(range) ? std::max(farthest, double{range}) : farthest;
     }
   }
   constexpr double kStep = 100.0;
-  return farthest < static_cast<float>(kCarmenNoReturn) ? kSickMaxRange
-                                                        : kStep * (std::floor(farthest / kStep) + 1.0);
+  return farthest < kCarmenNoReturn ? kSickMaxRange : kStep * (std::floor(farthest / kStep) + 1.0);
 }
 
 class CarmenWriter {
@@ -122,8 +122,8 @@ class CarmenWriter {
     if (flaser_) {
       append("FLASER");
     } else {
-      append("ROBOTLASER1 0 {} {} {} {} 0.01 0", scan.rad0, scan.radstep * (scan.nranges - 1), scan.radstep,
-             no_return_);
+      append("ROBOTLASER1 0 {} {} {} {} 0.01 0", scan.rad0, double{scan.radstep} * (scan.nranges - 1),
+             scan.radstep, no_return_);
     }
     append(" {}", scan.nranges);
     for (const float range : scan.ranges) {

@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "export_carmen.h"
+#include "export_results.h"
 #include "export_tum.h"
 
 namespace rubble::tools {
@@ -39,6 +40,11 @@ void addExportCommand(CLI::App& app) {
       "CARMEN log: ODOM lines and FLASER with the nearest odometry (ROBOTLASER1 where the beams are not "
       "FLASER's 180 degrees)",
       "FILE", "rubble export carmen mission.lcm --out mission.clf", exportCarmen);
+  addExporter(
+      *command, "results",
+      "What the processes published live, as the result files of `rubble replay`: trajectories, maps, "
+      "poses.csv",
+      "DIR", "rubble export results mission.lcm --out mission_results", exportResults);
 }
 
 }  // namespace rubble::tools

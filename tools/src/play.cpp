@@ -30,7 +30,7 @@ PlayResult playLog(const std::filesystem::path& log, double speed, const PlaySin
     first_utime = event.utime - since_first;
     const double seconds = speed > 0.0 ? common::secondsFromUtime(since_first) / speed : 0.0;
     const auto deadline =
-        start + std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
+        start + std::chrono::round<steady_clock::duration>(std::chrono::duration<double>(seconds));
     if (sink.wait_until(deadline)) {
       result.stopped = true;
       return false;

@@ -1,33 +1,15 @@
 #pragma once
 
-#include <string>
+#include <nlohmann/json_fwd.hpp>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 namespace rubble::tools {
 
 /// One line on stderr for what the user should know although the work goes on.
 void warn(std::string_view text);
 
-/// Named results of an evaluation, in the order they were added; keys are snake_case with the unit at
-/// their end.
-class Report {
- public:
-  /// Not finite becomes JSON's null.
-  void add(std::string key, double value);
-  void add(std::string key, int value);
-  void add(std::string key, std::string_view value);
-
-  /// One JSON object on several lines.
-  std::string json() const;
-  /// A table for people: key and value on each line.
-  std::string text() const;
-  /// Writes one of the two to stdout.
-  void print(bool as_json) const;
-
- private:
-  std::vector<std::pair<std::string, std::string>> values_;
-};
+/// Results on stdout, in the order they were added: one JSON object, or a table for people with a key and its
+/// value on each line. Keys are snake_case with the unit at their end; what is not finite is null.
+void printReport(const nlohmann::ordered_json& report, bool as_json);
 
 }  // namespace rubble::tools

@@ -12,6 +12,7 @@
 #include "command.h"
 #include "common/error.h"
 #include "host_programs.h"
+#include "report.h"
 
 namespace rubble::tools {
 
@@ -36,9 +37,15 @@ void extendEnvironment(const char* name, const std::string& value, char separato
   if (!std::filesystem::exists(jar)) {
     throw common::Error(fmt::format("{} is missing; fix: build the target rubble_types_jar", jar.string()));
   }
+  if (std::getenv("DISPLAY") == nullptr) {
+    throw common::Error("no DISPLAY to open a window on; fix: start it on a desktop, or log in with ssh -X");
+  }
+  if (!std::filesystem::exists("/usr/share/java/jchart2d.jar")) {
+    warn("lcm-spy lists channels but cannot open one; fix: apt-get install libjchart2d-java");
+  }
   // Debian's lcm-spy asks for a collector that Java has dropped.
   extendEnvironment("JAVA_TOOL_OPTIONS", "-XX:+IgnoreUnrecognizedVMOptions", ' ');
-  extendEnvironment("CLASSPATH", jar.string() + ":/usr/share/java/lcm.jar", ':');
+  extendEnvironment("CLASSPATH", jar.string(), ':');
   std::string name = program->string();
   std::vector<char*> argv = {name.data()};
   for (std::string& argument : arguments) {

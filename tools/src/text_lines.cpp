@@ -66,6 +66,7 @@ std::string_view Words::rest() {
 }
 
 double Words::finite(const char* what) {
+  skipSeparators();
   const std::string_view before = rest_;
   const auto value = any<double>(what);
   if (!std::isfinite(value)) {

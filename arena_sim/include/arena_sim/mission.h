@@ -18,8 +18,9 @@ inline constexpr double kShortestMission = 20.0;
 
 /// The mission `flat`: rooms on one level floor, stabiliser at zero. Into the folder `out`, created when
 /// missing, go mission.lcm (SCAN, STABILIZER, ODOMETRY, GROUND_TRUTH), truth/body.tum and truth/lidar.tum (at
-/// scan times, in world), truth/map_0.pgm and .yaml, and top_view.png. Sections `robot` and `arena_sim` of the
-/// configuration count. The same arguments give the same bytes. Throws common::Error.
-void writeFlatMission(const MissionOptions& options, const common::Config& config, const std::filesystem::path& out);
+/// scan times, in world), truth/map_0.pgm and .yaml, and top_view.png. Sections `robot` and `arena_sim` of
+/// the configuration count. The same arguments give the same bytes. Throws common::Error.
+void writeFlatMission(const MissionOptions& options, const common::Config& config,
+                      const std::filesystem::path& out);
 
 }  // namespace rubble::arena_sim

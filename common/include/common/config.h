@@ -38,8 +38,7 @@ class ConfigSection {
 
   ConfigSection(std::string path, int depth) : path_(std::move(path)), depth_(depth) {}
 
-  [[noreturn]] void fail(const Source& source, const YAML::Node& node, const char* key,
-                         const std::string& what) const;
+  [[noreturn]] void fail(const Source& source, const char* key, const std::string& what) const;
   template <typename T>
   T as(const Source& source, const YAML::Node& node, const char* key, const char* expected) const;
   template <typename Apply>
@@ -79,11 +78,13 @@ class Config {
   }
 
   /// The effective section as commented YAML, one line per field: value, unit, limits, meaning.
+  /// Throws as read() does.
   template <typename T>
   std::string describe(const char* name) const {
     T value;
     ConfigSection root = open(name);
     visit(root, value);
+    root.rejectUnknownKeys();
     return std::string(name) + ":\n" + root.description();
   }
 

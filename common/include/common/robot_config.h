@@ -18,14 +18,14 @@ struct RobotConfig {
   };
 
   /// Crossing of the stabiliser's axes, p_body_plate.
-  std::vector<double> plate_translation{0.10, 0.0, 0.25};
+  std::vector<double> plate_translation{0.0, 0.0, 0.25};
   /// T_plate_lidar.
   Mount lidar{{0.0, 0.0, 0.05}};
   /// T_body_camera; the camera's frame is optical: x right, y down, z forward.
   Mount camera{{0.12, 0.0, 0.22}, {-1.5707963267948966, 0.0, -1.5707963267948966}};
   /// From a scan's first beam to one step after its last: beam i of n is measured at i / n of it. A
-  /// UTM-30LX turns in 25 ms and looks at 270 of the 360 degrees.
-  double lidar_sweep_time_s = 0.01875;
+  /// UTM-30LX turns in 25 ms and looks at 270 of the 360 degrees: 0.01875. The default suits a LiDAR nobody knows.
+  double lidar_sweep_time_s = 0.0;
 
   /// T_body_plate for the stabiliser's angles: roll first, then pitch.
   Pose3 T_body_plate(double roll, double pitch) const;

@@ -32,9 +32,9 @@ struct RawMessage {
   Bytes data;
 };
 
-/// One process's end of the bus. Live it stands on LCM (LcmBus), in replay and tests on a ReplayHub;
-/// the process cannot tell. Not thread-safe: handlers run inside dispatch(), on the thread that owns
-/// the bus.
+/// One process's end of the bus. Live it stands on LCM (LcmBus) or a log (LogBus), in replay and tests on a
+/// ReplayHub; the process cannot tell. Not thread-safe: handlers run inside dispatch(), on the thread that
+/// owns the bus.
 class Bus {
  public:
   using RawHandler = std::function<void(const RawMessage&)>;
@@ -68,6 +68,8 @@ class Bus {
 
   /// Handles one message. False when none came within the time or none can come any more (ended()).
   virtual bool dispatch(std::chrono::milliseconds timeout) = 0;
+  /// Takes what has already arrived, then nothing more; dispatch() hands out the rest.
+  virtual void stopReceiving() {}
   /// True once the log behind the bus is played to its end; never live.
   virtual bool ended() const = 0;
   /// The bus's time: the clock live, the log's time in replay.

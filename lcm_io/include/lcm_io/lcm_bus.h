@@ -17,9 +17,9 @@ namespace rubble::lcm_io {
 /// LCM's default multicast group with the receive buffer that 200 kB messages need.
 inline constexpr char kDefaultLcmUrl[] = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
 
-/// The live bus: udpm://, memq://, or file://LOG?speed=0 (read only, lossless: the log waits for the
-/// process). Otherwise one thread drains LCM into a queue that holds ChannelInfo::queue_capacity
-/// messages of every channel and 64 MB in all; a full queue drops the channel's oldest and counts it.
+/// The live bus: udpm:// or memq://. One thread drains LCM into a queue that holds
+/// ChannelInfo::queue_capacity messages of every channel and 64 MB in all; a full queue drops the channel's
+/// oldest and counts it.
 class LcmBus : public Bus {
  public:
   /// `process` is the publisher's name in the channel table: publishing on its channels stops when
@@ -28,13 +28,13 @@ class LcmBus : public Bus {
   ~LcmBus() override;
 
   bool dispatch(std::chrono::milliseconds timeout) override;
-  bool ended() const override { return ended_; }
+  bool ended() const override { return false; }
   common::Utime now() const override;
   std::string conflict() const override;
 
   /// Takes what has already arrived at this host (and comes within 50 ms), then nothing more; dispatch()
   /// hands out the rest.
-  void stopReceiving();
+  void stopReceiving() override;
 
  private:
   struct OwnChannel {
@@ -52,10 +52,7 @@ class LcmBus : public Bus {
   void dropOldest(const std::string& channel);
 
   const std::string process_;
-  const bool from_file_;
   lcm::LCM lcm_;
-  bool ended_ = false;
-  common::Utime file_now_ = 0;
   std::set<std::string> listening_;  // What LCM has been asked for.
 
   mutable std::mutex mutex_;

@@ -115,6 +115,9 @@ class GridSlam {
   int discardPending(common::Utime from);
   std::size_t pendingCount() const;
 
+  /// The last pose, as the last addScan or relocalise left it.
+  common::Pose2 pose() const;
+
   double cellSize() const;
   std::uint64_t mapRevision() const;  ///< grows by one with every scan written
   /// Known tiles of the finest level, sorted by y, then x.

@@ -10,8 +10,8 @@ struct GridSlamConfig {
   struct Map {
     double cell_size = 0.05;
     int levels = 3;
-    double hit_probability = 0.7;
-    double miss_probability = 0.4;
+    double hit_probability = 0.8;
+    double miss_probability = 0.45;
     double max_log_odds = 6.0;
     double write_distance = 0.25;
     double write_angle = 0.1;
@@ -19,7 +19,7 @@ struct GridSlamConfig {
 
   struct Scan {
     double min_range = 0.1;
-    double max_range = 30.0;
+    double max_range = 80.0;
     double free_space_range = 15.0;
     double sweep_duration = 0.0;
     double height_above_floor = 0.5;
@@ -30,7 +30,7 @@ struct GridSlamConfig {
 
   struct Match {
     int max_iterations = 12;
-    double range_sigma = 0.03;
+    double max_speed = 2.0;
     double lost_score = 0.35;
     double good_score = 0.55;
     int verify_scans = 3;
@@ -42,7 +42,7 @@ struct GridSlamConfig {
     double wide_distance = 3.0;
     double wide_angle = 3.2;
     int wide_period = 4;
-    int give_up_scans = 40;
+    int give_up_scans = 12;
   } search;
 };
 

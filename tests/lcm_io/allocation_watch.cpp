@@ -1,0 +1,32 @@
+#include "allocation_watch.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+thread_local std::size_t largest = 0;
+
+void* allocate(std::size_t size) {
+  largest = std::max(largest, size);
+  void* p = std::malloc(size);
+  if (p == nullptr) {
+    throw std::bad_alloc();
+  }
+  return p;
+}
+
+}  // namespace
+
+// All operator new and delete of this executable. The array forms call these.
+void* operator new(std::size_t size) { return allocate(size); }
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t /*size*/) noexcept { std::free(p); }
+
+namespace rubble::lcm_io {
+
+void watchAllocations() { largest = 0; }
+std::size_t largestAllocation() { return largest; }
+
+}  // namespace rubble::lcm_io
