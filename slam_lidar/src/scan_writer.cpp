@@ -7,7 +7,6 @@
 namespace rubble::slam_lidar {
 namespace {
 
-const double kSameSurface = std::getenv("SURF") ? atof(getenv("SURF")) : 1.0;  // metres
 
 int logOdds(double probability) {
   return static_cast<int>(std::lround(kLogOddsScale * std::log(probability / (1.0 - probability))));
@@ -60,19 +59,9 @@ void ScanWriter::write(TiledGrid& grid, const common::Pose2& T_world_lidar, std:
       const Eigen::Vector2i cell = cellOf(x, y);
       grid.addEvidence(cell.x(), cell.y(), hit_, limit_);
     }
-    // Along a wall seen at a grazing angle a beam passes through cells its neighbours hit. It therefore frees
-    // only what its neighbours on the same surface free too.
     const double range = std::hypot(x, y);
-    double free_range = std::min(range, free_space_range_);
-    for (const std::size_t k : {i - 1, i + 1}) {
-      if (k < rays.size()) {
-        const double other = static_cast<double>(std::hypot(rays[k].x, rays[k].y));
-        if (other < range && range - other < kSameSurface) {
-          free_range = std::min(free_range, other);
-        }
-      }
-    }
-    ends_.push_back(cellOf(x * free_range / range, y * free_range / range));
+    const double shorten = std::min(1.0, free_space_range_ / range);
+    ends_.push_back(cellOf(x * shorten, y * shorten));
   }
   const Eigen::Vector2i start = cellOf(0.0, 0.0);
   for (const Eigen::Vector2i& end : ends_) {
