@@ -2,6 +2,7 @@
 
 option(RUBBLE_BUILD_TESTS "Build the tests" ON)
 option(RUBBLE_BUILD_BENCHMARKS "Build the benchmarks" ON)
+option(RUBBLE_FUZZ "Build the fuzz targets (clang only, see tests/fuzz/run)" OFF)
 set(RUBBLE_SANITIZE "" CACHE STRING "Sanitizers to compile in, e.g. address,undefined or thread")
 
 set(CMAKE_CXX_STANDARD 20)

@@ -177,6 +177,13 @@ class Mission {
 
 }  // namespace
 
+common::RobotConfig arenaRobot() {
+  common::RobotConfig robot;
+  robot.plate_translation = {0.10, 0.0, 0.25};
+  robot.lidar_sweep_time_s = 0.01875;
+  return robot;
+}
+
 void writeFlatMission(const MissionOptions& options, const common::Config& config,
                       const std::filesystem::path& out) {
   if (!(options.duration_s >= kShortestMission)) {
@@ -188,7 +195,9 @@ void writeFlatMission(const MissionOptions& options, const common::Config& confi
   if (error) {
     throw common::Error(fmt::format("{}: cannot be created ({})", out.string(), error.message()));
   }
-  Mission(options, config.read<ArenaSimConfig>("arena_sim"), config.read<common::RobotConfig>("robot"), out);
+  const auto robot = config.read<common::RobotConfig>("robot", arenaRobot());
+  Mission(options, config.read<ArenaSimConfig>("arena_sim"), robot, out);
+  common::writeFileAtomically(out / "robot.yaml", config.describe<common::RobotConfig>("robot", arenaRobot()));
 }
 
 }  // namespace rubble::arena_sim

@@ -1,9 +1,13 @@
 #include "console_node.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <filesystem>
 
+#include "common/files.h"
+#include "common/robot_config.h"
 #include "lcm_io/channels.h"
 #include "log_store.h"
 
@@ -25,6 +29,17 @@ std::string complaintOf(const rubble::health_t& health) {
   return fmt::format("{} ({}): {}",
                      health.level == rubble::health_t::LEVEL_DEGRADED ? "is degraded" : "has an error",
                      health.state, health.detail);
+}
+
+/// A log's calibration stands beside it, for `rubble replay`. Without it the log is still worth having.
+void writeCalibration(const std::filesystem::path& log_dir, const common::Config& config) {
+  const std::string robot = config.describe<common::RobotConfig>("robot");
+  try {
+    std::filesystem::create_directories(log_dir);
+    common::writeFileAtomically(log_dir / "robot.yaml", robot);
+  } catch (const std::exception& e) {
+    spdlog::warn("the calibration is not beside the logs: {}", e.what());
+  }
 }
 
 void raise(lcm_io::NodeStatus& status, Level level, const std::string& detail) {
@@ -102,6 +117,7 @@ lcm_io::NodeStatus ConsoleNode::status() const {
 
 std::unique_ptr<lcm_io::Node> makeConsoleNode(const lcm_io::ProcessContext& context) {
   const auto config = context.config.read<OpsConsoleConfig>(kProcess);
+  writeCalibration(config.log_dir, context.config);
   const LogLimits limits{config.quota_mb * kMegabyte, config.rotate_mb * kMegabyte,
                          config.rotate_s * common::kMicrosecondsPerSecond};
   return std::make_unique<ConsoleNode>(context.bus, std::make_unique<LogStore>(config.log_dir, limits),

@@ -19,6 +19,7 @@ constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
 constexpr std::size_t kMaxPending = 256;
 /// A longer gap says nothing about how fast the robot is now.
 constexpr double kMaxCoasting = 0.6;
+constexpr double kMaxPriorDistance = 1000.0;  // metres
 constexpr std::uint64_t kYoungMap = 5;  // scans
 /// Share of the running score from which Gauss-Newton is taken at its word.
 constexpr double kTrusted = 0.85;
@@ -105,8 +106,9 @@ void GridSlam::State::checkInput(const ScanInput& input) const {
   if (!finite(input.attitude_first) || !finite(input.attitude_last)) {
     throw common::Error("scan: the attitude is not finite");
   }
-  if (input.prior && !finite(input.prior->T_previous_now)) {
-    throw common::Error("scan: the motion prior is not finite");
+  if (input.prior && (!finite(input.prior->T_previous_now) ||
+                      input.prior->T_previous_now.translation().norm() > kMaxPriorDistance)) {
+    throw common::Error("scan: the motion prior is not finite, or farther than 1 km");
   }
 }
 
@@ -157,8 +159,9 @@ void GridSlam::State::match(const ScanInput& input, const common::Pose2& T_world
   const ScanMatch found = was_lost ? searchLost(T_world_predicted) : track(input, T_world_predicted, dt);
   result.search = found.search;
   result.score = found.score;
-  const bool given_up = was_lost && tracking.lost_scans >= config.search.give_up_scans;
-  if (young() || found.score >= (was_lost ? config.match.good_score : config.match.lost_score)) {
+  const bool given_up = was_lost && input.mode == ScanMode::kMatchAndWrite &&
+                        tracking.lost_scans >= config.search.give_up_scans;
+  if ((young() && !was_lost) || found.score >= (was_lost ? config.match.good_score : config.match.lost_score)) {
     result.matched = true;
     result.covariance =
         matchCovariance(found.match.sums, scan.points.totalWeight(), map.finest().cellSize());

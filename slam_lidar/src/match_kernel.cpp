@@ -14,6 +14,11 @@
 #define RUBBLE_SLAM_LIDAR_KERNEL_FRAME
 namespace rubble::slam_lidar {
 
+// TiledGrid::occupancyByte: unknown, and how far the sure cases are from it.
+constexpr float kUnknown = 128.0F;
+constexpr double kAgreeScale = 127.0;
+constexpr double kContradictScale = 12.8;
+
 /// The pose in the kernel's units: cells from the window's corner, moved by half a cell so that the integer
 /// part names the cell whose quad holds the four centres around the point.
 struct KernelFrame {
@@ -47,7 +52,7 @@ KernelSums sumOverPoints(const GridView& grid, const PointSet& points, const Ker
   const F origin_y = hn::Set(df, frame.y);
   const int window_log2 = grid.window_tiles_log2;
   const F last = hn::Set(df, static_cast<float>((1 << (window_log2 + kTileShift)) - 1));
-  const F unknown = hn::Set(df, 128.0F);
+  const F unknown = hn::Set(df, kUnknown);
   const F full = hn::Set(df, 255.0F);
   const F zero = hn::Zero(df);
   const auto cell_mask = hn::Set(di, kTileMask);
@@ -169,8 +174,8 @@ MatchSums inMetres(const KernelSums& k, double cell_size) {
       k.h02 * jm, k.h12 * jm, k.h22 * mm;
   sums.g << k.g0 * jm, k.g1 * jm, k.g2 * mm;
   sums.cost = k.cost * mm;
-  sums.agree = k.agree / 127.0;
-  sums.contradict = k.contradict / 12.8;
+  sums.agree = k.agree / kAgreeScale;
+  sums.contradict = k.contradict / kContradictScale;
   return sums;
 }
 
@@ -239,8 +244,8 @@ MatchSums lineariseScalar(const GridView& grid, const PointSet& points, const co
     sums.H += weight * J.transpose() * J;
     sums.g += weight * J.transpose() * (1.0 - m);
     sums.cost += weight * (1.0 - m) * (1.0 - m);
-    sums.agree += weight * std::max(0.0, 255.0 * m - 128.0) / 127.0;
-    sums.contradict += weight * std::max(0.0, 128.0 - 255.0 * m) / 12.8;
+    sums.agree += weight * std::max(0.0, 255.0 * m - 128.0) / kAgreeScale;
+    sums.contradict += weight * std::max(0.0, 128.0 - 255.0 * m) / kContradictScale;
   }
   return sums;
 }

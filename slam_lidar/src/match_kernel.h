@@ -39,8 +39,8 @@ class PointSet {
 struct MatchSums {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();   ///< sum w J^T J
   Eigen::Vector3d g = Eigen::Vector3d::Zero();   ///< sum w J^T (1 - M)
-  double agree = 0.0;                            ///< sum w max(0, 2 M - 1)
-  double contradict = 0.0;                       ///< sum w max(0, 1 - 2 M)
+  double agree = 0.0;                            ///< sum w max(0, M - M_unknown), 1: surely occupied
+  double contradict = 0.0;                       ///< sum w max(0, M_unknown - M), 1: surely free
 
   double cost = 0.0;                             ///< sum w (1 - M)^2, linearise() only
 

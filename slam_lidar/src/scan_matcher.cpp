@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include "tuning.h"
+#include <cmath>
 
 namespace rubble::slam_lidar {
 namespace {
@@ -10,6 +10,11 @@ namespace {
 constexpr double kFullOverlap = 0.3;
 constexpr double kUnobservableSigma = 1.0;  // metres
 constexpr double kBeamsErringTogether = 4.0;
+/// Share of the beams by which another pose has to be better to be believed before the predicted one.
+constexpr double kMargin = 0.1;
+/// What the border of a search window costs against its centre.
+constexpr double kSlope = 0.1;
+constexpr std::size_t kCandidates = 6;
 
 }  // namespace
 
@@ -46,11 +51,11 @@ ScanMatch ScanMatcher::search(std::span<const TiledGrid> levels, const PointSet&
   best.match.T_world_lidar = window.T_world_centre;
   double best_value = -1e300;
   for (const SearchCandidate& candidate :
-       correlative_.search(levels.back(), points, window, TUNE(SLOPE, 0.1), static_cast<std::size_t>(TUNE(NCAND, 6)))) {
+       correlative_.search(levels.back(), points, window, kSlope, kCandidates)) {
     ScanMatch m = align(levels, points, candidate.T_world_lidar);
     const common::Pose2 off = window.T_world_centre.inverse() * m.match.T_world_lidar;
     const double value = m.match.sums.quality() / points.totalWeight() -
-                         TUNE(SLOPE, 0.1) * std::hypot(std::hypot(off.x, off.y) / window.distance, off.yaw / window.angle);
+                         kSlope * std::hypot(std::hypot(off.x, off.y) / window.distance, off.yaw / window.angle);
     if (value > best_value) {
       best_value = value;
       best = m;
@@ -63,7 +68,7 @@ ScanMatch ScanMatcher::track(std::span<const TiledGrid> levels, const PointSet& 
                              std::span<const common::Pose2> seeds, const SearchWindow& window,
                              double expected_score) {
   ScanMatch best = align(levels, points, seeds.front());
-  const double margin = TUNE(MARGIN, 0.1) * points.totalWeight();
+  const double margin = kMargin * points.totalWeight();
   for (const common::Pose2& seed : seeds.subspan(1)) {
     if (best.score >= expected_score) {
       return best;
@@ -73,7 +78,7 @@ ScanMatch ScanMatcher::track(std::span<const TiledGrid> levels, const PointSet& 
       best = other;
     }
   }
-  if (best.score < expected_score && TUNE(LOCAL, 1.0) > 0) {
+  if (best.score < expected_score) {
     const ScanMatch found = search(levels, points, window);
     if (found.match.sums.quality() > best.match.sums.quality() + margin) {
       best = found;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 namespace rubble::slam_lidar {
 namespace {
 
+constexpr double kSurfaceGap = 0.4;  // metres
 
 int logOdds(double probability) {
   return static_cast<int>(std::lround(kLogOddsScale * std::log(probability / (1.0 - probability))));
@@ -51,18 +53,33 @@ void ScanWriter::write(TiledGrid& grid, const common::Pose2& T_world_lidar, std:
   const auto cellOf = [&](double x, double y) {
     return Eigen::Vector2i(static_cast<int>(origin.x() + c * x - s * y), static_cast<int>(origin.y() + s * x + c * y));
   };
+  const auto addHit = [&](const Eigen::Vector2d& p) {
+    const Eigen::Vector2i cell = cellOf(p.x(), p.y());
+    grid.addEvidence(cell.x(), cell.y(), hit_, limit_);
+  };
   ends_.clear();
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const double x = static_cast<double>(rays[i].x);
-    const double y = static_cast<double>(rays[i].y);
-    if (rays[i].hit) {
-      const Eigen::Vector2i cell = cellOf(x, y);
-      grid.addEvidence(cell.x(), cell.y(), hit_, limit_);
+  Eigen::Vector2d previous = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  for (const RayEnd& ray : rays) {
+    const Eigen::Vector2d p(static_cast<double>(ray.x), static_cast<double>(ray.y));
+    const double range = p.norm();
+    const double free = std::min(1.0, free_space_range_ / range);
+    ends_.push_back(cellOf(p.x() * free, p.y() * free));
+    if (!ray.hit) {
+      continue;
     }
-    const double range = std::hypot(x, y);
-    const double shorten = std::min(1.0, free_space_range_ / range);
-    ends_.push_back(cellOf(x * shorten, y * shorten));
+    // Hits this close are one surface. Left apart they would be a comb, in which the next scan's hits catch, so
+    // that the robot seems to stand still along the wall.
+    const double gap = (p - previous).norm();
+    if (gap < kSurfaceGap) {
+      const int between = static_cast<int>(gap / view.cell_size);
+      for (int k = 1; k <= between; ++k) {
+        addHit(previous + (p - previous) * k / (between + 1));
+      }
+    }
+    addHit(p);
+    previous = p;
   }
+  // Hits came first, so that a beam passing close to a hit does not take it back.
   const Eigen::Vector2i start = cellOf(0.0, 0.0);
   for (const Eigen::Vector2i& end : ends_) {
     traceFree(grid, start, end);

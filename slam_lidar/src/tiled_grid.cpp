@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include "tuning.h"
 
 #include "common/error.h"
 
@@ -10,14 +9,18 @@ namespace rubble::slam_lidar {
 namespace {
 
 constexpr std::uint32_t kUnknownQuad = 0x80808080U;
+constexpr double kUnknownByte = 128.0;
+/// Free space lies this little below unknown space: were it 128, walls would pull towards the unknown behind them.
+constexpr double kFreeDepth = 12.8;
 /// Beyond this occupancy is 0 or 1 to a byte's precision.
 constexpr int kByteLimit = 6 * static_cast<int>(kLogOddsScale);
 
 std::array<std::uint8_t, 2 * kByteLimit + 1> makeByteTable() {
   std::array<std::uint8_t, 2 * kByteLimit + 1> table{};
   for (int l = -kByteLimit; l <= kByteLimit; ++l) {
-    const double p = 1.0 / (1.0 + std::exp(-l / kLogOddsScale));
-    table[static_cast<std::size_t>(l + kByteLimit)] = static_cast<std::uint8_t>(std::clamp<long>(std::lround(p > 0.5 ? 128+ 127*std::tanh(l / kLogOddsScale / TUNE(SOFT, 2.0))/std::tanh(6/TUNE(SOFT,2.0))  : TUNE(FLOORP,0.9)*128 + (1-TUNE(FLOORP,0.9))*128*2*p), 0, 255));
+    const double above = std::tanh(0.5 * l / kLogOddsScale);  // 2 p - 1
+    const double byte = kUnknownByte + (above > 0.0 ? (255.0 - kUnknownByte) * above : kFreeDepth * above);
+    table[static_cast<std::size_t>(l + kByteLimit)] = static_cast<std::uint8_t>(std::lround(byte));
   }
   return table;
 }

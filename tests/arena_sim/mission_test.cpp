@@ -111,7 +111,7 @@ TEST_F(MissionTest, ScansProjectedWithTheTruthLieOnTheWalls) {
   const auto truth = common::readTum(out / "truth/lidar.tum");
   const auto scans = readByChannel(out / "mission.lcm").at("SCAN");
   ASSERT_EQ(truth.size(), scans.size());
-  const double sweep_us = config().read<common::RobotConfig>("robot").lidar_sweep_time_s * 1e6;
+  const double sweep_us = config().read<common::RobotConfig>("robot", arenaRobot()).lidar_sweep_time_s * 1e6;
   double squares = 0.0;
   int n = 0;
   for (std::size_t k = 0; k + 1 < scans.size(); k += 20) {

@@ -129,13 +129,13 @@ TEST_F(LcmBusTest, StopReceivingEndsUnderSteadyTraffic) {
 
 TEST_F(LcmBusTest, WhoHearsAnotherPublisherOnItsChannelStops) {
   LcmBus first(url_, "fusion");
-  LcmBus second(url_, "fusion");
   LcmBus listener(url_, "other");
   note(listener, channel::kRobotPose);
   first.publish(channel::kRobotPose, counter(1));
   ASSERT_TRUE(dispatchUntil(listener, [&] { return seen_.size() == 1; }));
   EXPECT_EQ(first.conflict(), "") << "its own message is no foreign one";
 
+  LcmBus second(url_, "fusion");  // Opened only now: what was sent before it existed cannot reach it.
   second.publish(channel::kRobotPose, counter(2));
   ASSERT_TRUE(waitUntil([&] { return !first.conflict().empty(); }));
   EXPECT_EQ(first.conflict(), channel::kRobotPose);

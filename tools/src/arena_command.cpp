@@ -50,9 +50,9 @@ void addArenaCommand(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--set", options->overrides, "One value, e.g. --set arena_sim.lidar.range_sigma=0.03")
       ->allow_extra_args(false);
-  command->add_option("--out", options->out, "Folder for mission.lcm, truth/ and top_view.png")->required();
-  command->footer(
-      "Example:\n  rubble arena --mission flat --seed 7 --config config/robot.yaml --out /tmp/mission\n");
+  command->add_option("--out", options->out, "Folder for mission.lcm, robot.yaml, truth/ and top_view.png")
+      ->required();
+  command->footer("Example:\n  rubble arena --mission flat --seed 7 --out /tmp/mission\n");
   command->callback([options] { runArena(*options); });
 }
 

@@ -7,6 +7,7 @@
 #include <list>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rubble::common {
@@ -66,11 +67,11 @@ class Config {
   /// `slam_lidar.map.cell_size=0.1`. Throws Error naming the argument.
   void addOverride(std::string_view assignment);
 
-  /// A default T overlaid with section `name` of every source. Throws Error naming file, line and
+  /// `defaults` overlaid with section `name` of every source. Throws Error naming file, line and
   /// key for anything unknown, mistyped or out of range.
   template <typename T>
-  T read(const char* name) const {
-    T value;
+  T read(const char* name, T defaults = T()) const {
+    T value = std::move(defaults);
     ConfigSection root = open(name);
     visit(root, value);
     root.rejectUnknownKeys();
@@ -80,8 +81,8 @@ class Config {
   /// The effective section as commented YAML, one line per field: value, unit, limits, meaning.
   /// Throws as read() does.
   template <typename T>
-  std::string describe(const char* name) const {
-    T value;
+  std::string describe(const char* name, T defaults = T()) const {
+    T value = std::move(defaults);
     ConfigSection root = open(name);
     visit(root, value);
     root.rejectUnknownKeys();

@@ -56,7 +56,7 @@ struct ScanInput {
 
 enum class MatchStatus : std::uint8_t {
   kGood,
-  kUncertain,  ///< matched, but poorly, or not yet verified after a loss: not written
+  kUncertain,  ///< matched, but not yet verified after a loss: not written
   kLost,       ///< the pose is a prediction; nothing is written, wide searches go on
 };
 
@@ -87,9 +87,10 @@ struct TileInfo {
 /// "A Flexible and Scalable SLAM System with Full 3D Motion Estimation", SSRR 2011), guarded by a correlative
 /// search (Olson, "Real-Time Correlative Scan Matching", ICRA 2009). Synchronous, deterministic, one owner.
 ///
-/// Policy when lost: nothing is written and the search goes on around the last pose, at bounded cost. After
-/// `search.give_up_scans` scans in a row without success mapping restarts at the predicted pose in the same
-/// grid, since a map with a bent joint is of more use than none.
+/// Policy when lost: nothing is written, and the search goes on around the predicted pose at bounded cost. After
+/// `search.give_up_scans` scans in a row without success in mode kMatchAndWrite, mapping goes on at the predicted
+/// pose in the same grid (status kGood, matched false, covariance 1 m^2): a map with a bent joint is of more use
+/// than none.
 class GridSlam {
  public:
   static constexpr int kTileSize = 32;  ///< cells along one side

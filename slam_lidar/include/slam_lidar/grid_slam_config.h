@@ -10,7 +10,7 @@ struct GridSlamConfig {
   struct Map {
     double cell_size = 0.05;
     int levels = 3;
-    double hit_probability = 0.8;
+    double hit_probability = 0.75;
     double miss_probability = 0.45;
     double max_log_odds = 6.0;
     double write_distance = 0.25;
@@ -31,8 +31,8 @@ struct GridSlamConfig {
   struct Match {
     int max_iterations = 12;
     double max_speed = 2.0;
-    double lost_score = 0.35;
-    double good_score = 0.55;
+    double lost_score = 0.2;
+    double good_score = 0.7;
     int verify_scans = 3;
   } match;
 
