@@ -27,6 +27,9 @@ constexpr double kTrusted = 0.85;
 /// that isn't observed at all.
 constexpr double kWeakInformation = 3.0;
 constexpr double kSlowGain = 0.3;
+/// The velocity is averaged over this time (s). Poses of two scans at 40 Hz are too near each other to tell it,
+/// and the error would come back through the next scan's motion compensation.
+constexpr double kVelocityMemory = 0.06;
 
 struct PendingScan {
   common::Utime utime = 0;
@@ -77,6 +80,14 @@ struct GridSlam::State {
     return tracking.T_world_lidar *
            common::Pose2{tracking.twist[0] * t, tracking.twist[1] * t, tracking.twist[2] * t};
   }
+  /// Velocity (m/s, m/s, rad/s) over the scan's sweep: the prior's own where there is one.
+  Eigen::Vector3d sweepTwist(const std::optional<MotionPrior>& prior, double dt) const {
+    if (!prior || !(dt > 0.0)) {
+      return {tracking.twist[0], tracking.twist[1], tracking.twist[2]};
+    }
+    const common::Pose2& T = prior->T_previous_now;
+    return Eigen::Vector3d(T.x, T.y, T.yaw) / dt;
+  }
   void loseTrack() {
     if (!tracking.lost) {
       tracking.lost = true;
@@ -125,9 +136,11 @@ void GridSlam::State::moveTo(const common::Pose2& T_world_lidar, double dt, cons
   const Eigen::Matrix2d gain = kSlowGain * Eigen::Matrix2d::Identity() +
                                (1.0 - kSlowGain) * R_world_lidar.transpose() * observed * R_world_lidar;
   Eigen::Vector2d velocity(tracking.twist[0], tracking.twist[1]);
-  velocity += gain * (measured - velocity);
+  const double news = std::min(1.0, dt / kVelocityMemory);
+  velocity += news * gain * (measured - velocity);
   velocity *= std::min(1.0, config.match.max_speed / std::max(velocity.norm(), 1e-9));
-  tracking.twist = {velocity.x(), velocity.y(), T_previous_now.yaw / dt};
+  const double yaw_rate = tracking.twist[2] + news * (T_previous_now.yaw / dt - tracking.twist[2]);
+  tracking.twist = {velocity.x(), velocity.y(), yaw_rate};
   tracking.T_world_lidar = T_world_lidar;
 }
 
@@ -236,7 +249,7 @@ ScanResult GridSlam::addScan(const ScanInput& input) {
   result.utime = input.scan.utime;
   result.covariance = Eigen::Matrix3d::Identity();
 
-  const Eigen::Vector3d twist(s.tracking.twist[0], s.tracking.twist[1], s.tracking.twist[2]);
+  const Eigen::Vector3d twist = s.sweepTwist(input.prior, dt);
   s.projector.project(input.scan, input.attitude_first, input.attitude_last, twist, s.scan);
   result.beams_used = static_cast<int>(s.scan.points.size());
   const bool usable = result.beams_used >= s.config.scan.min_beams;
@@ -249,6 +262,7 @@ ScanResult GridSlam::addScan(const ScanInput& input) {
   } else if (s.map.empty()) {
     s.tracking.lost = false;
     s.tracking.T_world_lidar = T_world_predicted;
+    s.tracking.expected_score = 1.0;
     result.matched = true;
     result.score = 1.0;
     result.status = MatchStatus::kGood;
