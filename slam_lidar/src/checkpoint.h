@@ -15,12 +15,10 @@ namespace rubble::slam_lidar {
 class ByteWriter {
  public:
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
-  void put(const T& value) {
-    putAll(std::span(&value, 1));
-  }
+  requires std::is_trivially_copyable_v<T>
+  void put(const T& value) { putAll(std::span(&value, 1)); }
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void putAll(std::span<const T> values) {
     const std::size_t end = bytes_.size();
     bytes_.resize(end + values.size_bytes());
@@ -38,14 +36,13 @@ class ByteReader {
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
-  T get() {
+  requires std::is_trivially_copyable_v<T> T get() {
     T value;
     getAll(std::span(&value, 1));
     return value;
   }
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void getAll(std::span<T> values) {
     require(values.size_bytes());
     std::memcpy(values.data(), bytes_.data(), values.size_bytes());

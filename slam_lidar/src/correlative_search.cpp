@@ -19,8 +19,8 @@ bool near(const common::Pose2& a, const common::Pose2& b, double distance, doubl
 }  // namespace
 
 void CorrelativeSearch::thin(const PointSet& points, double cell_size) {
-  // Neighbouring beams on one near cell say the same thing: keep one per cell of way along the contour, and of
-  // those an even share.
+  // Neighbouring beams on one near cell say the same thing: keep one per cell of way along the contour, and
+  // of those an even share.
   thinned_.clear();
   std::vector<std::size_t> kept;
   float last_x = 1e9F;

@@ -17,16 +17,16 @@ struct SearchCandidate {
   double value = 0.0;
 };
 
-/// Exhaustive correlation of a scan with one grid (Olson, "Real-Time Correlative Scan Matching", ICRA 2009, with
-/// the coarse grid as the low-resolution table): steps of one cell and of the angle that moves a typical point by
-/// one cell, or multiples where that would be more than 20000 poses. Deterministic.
+/// Exhaustive correlation of a scan with one grid (Olson, "Real-Time Correlative Scan Matching", ICRA 2009,
+/// with the coarse grid as the low-resolution table): steps of one cell and of the angle that moves a typical
+/// point by one cell, or multiples where that would be more than 20000 poses. Deterministic.
 class CorrelativeSearch {
  public:
   /// Up to `count` best poses, best first, which differ by more than two steps. The value of a pose is
   /// MatchSums::quality() over the total weight, less `slope` times its normalised distance from the centre
   /// (0 at the centre, 1 on the border), which settles what the map leaves open.
-  std::vector<SearchCandidate> search(const TiledGrid& grid, const PointSet& points, const SearchWindow& window,
-                                      double slope, std::size_t count);
+  std::vector<SearchCandidate> search(const TiledGrid& grid, const PointSet& points,
+                                      const SearchWindow& window, double slope, std::size_t count);
 
  private:
   void thin(const PointSet& points, double cell_size);

@@ -7,9 +7,9 @@
 namespace rubble::slam_lidar {
 namespace {
 
-/// Pull towards the seed per unit of weight (1/m^2, 1/m^2, 1/rad^2). It is below what one beam in a hundred brings
-/// across a wall at the finest level and fades with the distance, so it decides only where the scan says nothing:
-/// along a bare corridor, where noise would have the pose slide away.
+/// Pull towards the seed per unit of weight (1/m^2, 1/m^2, 1/rad^2). It is below what one beam in a hundred
+/// brings across a wall at the finest level and fades with the distance, so it decides only where the scan
+/// says nothing: along a bare corridor, where noise would have the pose slide away.
 constexpr double kAnchorTranslation = 0.5;
 constexpr double kAnchorYaw = 0.1;
 constexpr double kAnchorFadeDistance = 0.3;  // metres
@@ -47,7 +47,8 @@ Match alignScan(std::span<const TiledGrid> levels, const PointSet& points, const
   for (std::size_t level = levels.size(); level-- > 0;) {
     const GridView view = levels[level].view();
     for (int i = 0; i < max_iterations; ++i, ++match.iterations) {
-      Eigen::Vector3d step = gaussNewtonStep(linearise(view, points, T), T, T_world_seed, points.totalWeight());
+      Eigen::Vector3d step =
+          gaussNewtonStep(linearise(view, points, T), T, T_world_seed, points.totalWeight());
       const double largest = std::max(step.head<2>().cwiseAbs().maxCoeff() / (kMaxStepCells * view.cell_size),
                                       std::abs(step.z()) / kMaxStepYaw);
       step /= std::max(1.0, largest);

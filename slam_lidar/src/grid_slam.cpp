@@ -20,15 +20,15 @@ constexpr std::size_t kMaxPending = 256;
 /// A longer gap says nothing about how fast the robot is now.
 constexpr double kMaxCoasting = 0.6;
 constexpr double kMaxPriorDistance = 1000.0;  // metres
-constexpr std::uint64_t kYoungMap = 5;  // scans
+constexpr std::uint64_t kYoungMap = 5;        // scans
 /// Share of the running score from which Gauss-Newton is taken at its word.
 constexpr double kTrusted = 0.85;
 /// Information per beam (1/m^2) at which a direction counts as half observed, and the velocity's gain in one
 /// that isn't observed at all.
 constexpr double kWeakInformation = 3.0;
 constexpr double kSlowGain = 0.3;
-/// The velocity is averaged over this time (s). Poses of two scans at 40 Hz are too near each other to tell it,
-/// and the error would come back through the next scan's motion compensation.
+/// The velocity is averaged over this time (s). Poses of two scans at 40 Hz are too near each other to tell
+/// it, and the error would come back through the next scan's motion compensation.
 constexpr double kVelocityMemory = 0.06;
 
 struct PendingScan {
@@ -126,10 +126,11 @@ void GridSlam::State::checkInput(const ScanInput& input) const {
 void GridSlam::State::moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d& H) {
   const common::Pose2 T_previous_now = tracking.T_world_lidar.inverse() * T_world_lidar;
   const Eigen::Vector2d measured = T_previous_now.translation() / dt;
-  // The velocity follows the match at once in directions the scan observes, slowly in the others: noise along a
-  // bare corridor would otherwise feed on itself.
-  const Eigen::Matrix2d H_xy = H.topLeftCorner<2, 2>() -
-                               H.topRightCorner<2, 1>() * H.bottomLeftCorner<1, 2>() / std::max(H(2, 2), 1e-9);
+  // The velocity follows the match at once in directions the scan observes, slowly in the others: noise along
+  // a bare corridor would otherwise feed on itself.
+  const Eigen::Matrix2d H_xy = H.topLeftCorner<2, 2>() - H.topRightCorner<2, 1>() *
+                                                             H.bottomLeftCorner<1, 2>() /
+                                                             std::max(H(2, 2), 1e-9);
   const double weak = kWeakInformation * scan.points.totalWeight();
   const Eigen::Matrix2d observed = H_xy * (H_xy + weak * Eigen::Matrix2d::Identity()).inverse();
   const Eigen::Matrix2d R_world_lidar = Eigen::Rotation2Dd(tracking.T_world_lidar.yaw).toRotationMatrix();
@@ -148,8 +149,10 @@ ScanMatch GridSlam::State::track(const ScanInput& input, const common::Pose2& T_
   const std::array<common::Pose2, 3> all = {T_world_predicted, coast(dt), tracking.T_world_lidar};
   const std::span<const common::Pose2> seeds = input.prior ? std::span(all) : std::span(all).subspan(1);
   const double gap = std::clamp(dt / kMaxCoasting, 1.0, 4.0);
-  const SearchWindow window{T_world_predicted, gap * config.search.local_distance, gap * config.search.local_angle};
-  ScanMatch found = matcher.track(map.levels(), scan.points, seeds, window, kTrusted * tracking.expected_score);
+  const SearchWindow window{T_world_predicted, gap * config.search.local_distance,
+                            gap * config.search.local_angle};
+  ScanMatch found =
+      matcher.track(map.levels(), scan.points, seeds, window, kTrusted * tracking.expected_score);
   tracking.expected_score += 0.1 * (found.score - tracking.expected_score);
   return found;
 }
@@ -174,10 +177,10 @@ void GridSlam::State::match(const ScanInput& input, const common::Pose2& T_world
   result.score = found.score;
   const bool given_up = was_lost && input.mode == ScanMode::kMatchAndWrite &&
                         tracking.lost_scans >= config.search.give_up_scans;
-  if ((young() && !was_lost) || found.score >= (was_lost ? config.match.good_score : config.match.lost_score)) {
+  if ((young() && !was_lost) ||
+      found.score >= (was_lost ? config.match.good_score : config.match.lost_score)) {
     result.matched = true;
-    result.covariance =
-        matchCovariance(found.match.sums, scan.points.totalWeight(), map.finest().cellSize());
+    result.covariance = matchCovariance(found.match.sums, scan.points.totalWeight(), map.finest().cellSize());
     if (was_lost) {
       tracking.unverified = config.match.verify_scans;
       tracking.T_world_lidar = found.match.T_world_lidar;
@@ -290,7 +293,8 @@ void GridSlam::relocalise(const common::Pose2& T_world_lidar, double distance, d
 
 int GridSlam::commitUntil(common::Utime until) {
   int count = 0;
-  for (auto& pending = state_->pending; !pending.empty() && pending.front().utime <= until; pending.pop_front()) {
+  for (auto& pending = state_->pending; !pending.empty() && pending.front().utime <= until;
+       pending.pop_front()) {
     state_->map.write(pending.front().T_world_lidar, pending.front().rays);
     ++count;
   }
@@ -299,7 +303,8 @@ int GridSlam::commitUntil(common::Utime until) {
 
 int GridSlam::discardPending(common::Utime from) {
   int count = 0;
-  for (auto& pending = state_->pending; !pending.empty() && pending.back().utime >= from; pending.pop_back()) {
+  for (auto& pending = state_->pending; !pending.empty() && pending.back().utime >= from;
+       pending.pop_back()) {
     ++count;
   }
   return count;
@@ -333,8 +338,7 @@ std::vector<std::uint8_t> GridSlam::tileCells(std::int32_t x, std::int32_t y) co
   std::vector<std::uint8_t> cells;
   cells.reserve(kTileArea);
   for (const Cell& cell : grid.tileCells(tile->second)) {
-    const double p = 1.0 / (1.0 + std::exp(-cell.log_odds / kLogOddsScale));
-    cells.push_back(cell.log_odds == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(1 + std::lround(254.0 * p)));
+    cells.push_back(TiledGrid::probabilityByte(cell.log_odds));
   }
   return cells;
 }

@@ -7,9 +7,11 @@ void visit(common::ConfigSection& section, GridSlamConfig& config) {
   map.number("cell_size", config.map.cell_size, "m", 0.01, 1.0, "side of a cell of the finest level");
   map.integer("levels", config.map.levels, "", 1, 6, "resolutions, each half as fine as the one before");
   map.number("hit_probability", config.map.hit_probability, "", 0.5, 0.99, "occupancy a hit argues for");
-  map.number("miss_probability", config.map.miss_probability, "", 0.01, 0.5, "occupancy a beam passing argues for");
+  map.number("miss_probability", config.map.miss_probability, "", 0.01, 0.5,
+             "occupancy a beam passing argues for");
   map.number("max_log_odds", config.map.max_log_odds, "", 1.0, 100.0, "certainty at which a cell stays");
-  map.number("write_distance", config.map.write_distance, "m", 0.0, 10.0, "way after which a scan is written");
+  map.number("write_distance", config.map.write_distance, "m", 0.0, 10.0,
+             "way after which a scan is written");
   map.number("write_angle", config.map.write_angle, "rad", 0.0, 3.2, "turn after which a scan is written");
 
   auto& scan = section.section("scan", "the LiDAR and which of its beams count");
@@ -20,14 +22,18 @@ void visit(common::ConfigSection& section, GridSlamConfig& config) {
   scan.number("sweep_duration", config.scan.sweep_duration, "s", 0.0, 1.0,
               "from the first beam to one after the last; 0: the driver has no sweep time");
   scan.number("height_above_floor", config.scan.height_above_floor, "m", 0.01, 10.0, "of the LiDAR's origin");
-  scan.number("height_below_ceiling", config.scan.height_below_ceiling, "m", 0.01, 100.0, "of the LiDAR's origin");
+  scan.number("height_below_ceiling", config.scan.height_below_ceiling, "m", 0.01, 100.0,
+              "of the LiDAR's origin");
   scan.number("height_margin", config.scan.height_margin, "m", 0.0, 1.0,
               "beams ending this close to floor or ceiling are dropped");
-  scan.integer("min_beams", config.scan.min_beams, "", 3, 10000, "a scan with fewer usable beams is not matched");
+  scan.integer("min_beams", config.scan.min_beams, "", 3, 10000,
+               "a scan with fewer usable beams is not matched");
 
   auto& match = section.section("match", "scan to map alignment");
-  match.integer("max_iterations", config.match.max_iterations, "", 1, 100, "Gauss-Newton steps on each level");
-  match.number("max_speed", config.match.max_speed, "m/s", 0.1, 50.0, "of the robot: bounds the predicted motion");
+  match.integer("max_iterations", config.match.max_iterations, "", 1, 100,
+                "Gauss-Newton steps on each level");
+  match.number("max_speed", config.match.max_speed, "m/s", 0.1, 50.0,
+               "of the robot: bounds the predicted motion");
   match.number("lost_score", config.match.lost_score, "", 0.0, 1.0, "a match that scores less is no match");
   match.number("good_score", config.match.good_score, "", 0.0, 1.0,
                "after a loss, a match has to score this to be trusted again");
@@ -37,9 +43,11 @@ void visit(common::ConfigSection& section, GridSlamConfig& config) {
   auto& search = section.section("search", "correlative search, where Gauss-Newton cannot be trusted");
   search.number("local_distance", config.search.local_distance, "m", 0.1, 10.0, "around the prediction");
   search.number("local_angle", config.search.local_angle, "rad", 0.05, 3.2, "around the prediction");
-  search.number("wide_distance", config.search.wide_distance, "m", 0.5, 50.0, "around the last pose, when lost");
+  search.number("wide_distance", config.search.wide_distance, "m", 0.5, 50.0,
+                "around the last pose, when lost");
   search.number("wide_angle", config.search.wide_angle, "rad", 0.1, 3.2, "around the last pose, when lost");
-  search.integer("wide_period", config.search.wide_period, "", 1, 1000, "scans from one wide search to the next");
+  search.integer("wide_period", config.search.wide_period, "", 1, 1000,
+                 "scans from one wide search to the next");
   search.integer("give_up_scans", config.search.give_up_scans, "", 1, 1000000,
                  "lost scans in a row after which mapping goes on from the predicted pose");
 }

@@ -81,7 +81,9 @@ KernelSums sumOverPoints(const GridView& grid, const PointSet& points, const Ker
     const auto offset = hn::Add(hn::ShiftLeft<2 * kTileShift>(slot), in_tile);
     const auto quad = hn::GatherIndex(du, grid.quads, offset);
 
-    const auto byte = [&](auto shifted) { return hn::ConvertTo(df, hn::And(hn::BitCast(di, shifted), byte_mask)); };
+    const auto byte = [&](auto shifted) {
+      return hn::ConvertTo(df, hn::And(hn::BitCast(di, shifted), byte_mask));
+    };
     const F p00 = byte(quad);
     const F p10 = byte(hn::ShiftRight<8>(quad));
     const F p01 = byte(hn::ShiftRight<16>(quad));
@@ -163,8 +165,8 @@ KernelFrame kernelFrame(const GridView& grid, const common::Pose2& T_world_lidar
 }
 
 MatchSums inMetres(const KernelSums& k, double cell_size) {
-  const double m = 1.0 / 255.0;             // occupancy
-  const double j = m / cell_size;           // occupancy per cell to per metre; dM/dyaw needs no cell size
+  const double m = 1.0 / 255.0;    // occupancy
+  const double j = m / cell_size;  // occupancy per cell to per metre; dM/dyaw needs no cell size
   MatchSums sums;
   const double jj = j * j;
   const double jm = j * m;
@@ -205,11 +207,13 @@ void PointSet::pad() {
 }
 
 MatchSums linearise(const GridView& grid, const PointSet& points, const common::Pose2& T_world_lidar) {
-  return inMetres(HWY_DYNAMIC_DISPATCH(Linearise)(grid, points, kernelFrame(grid, T_world_lidar)), grid.cell_size);
+  return inMetres(HWY_DYNAMIC_DISPATCH(Linearise)(grid, points, kernelFrame(grid, T_world_lidar)),
+                  grid.cell_size);
 }
 
 MatchSums evaluate(const GridView& grid, const PointSet& points, const common::Pose2& T_world_lidar) {
-  return inMetres(HWY_DYNAMIC_DISPATCH(Evaluate)(grid, points, kernelFrame(grid, T_world_lidar)), grid.cell_size);
+  return inMetres(HWY_DYNAMIC_DISPATCH(Evaluate)(grid, points, kernelFrame(grid, T_world_lidar)),
+                  grid.cell_size);
 }
 
 MatchSums lineariseScalar(const GridView& grid, const PointSet& points, const common::Pose2& T_world_lidar) {
@@ -229,8 +233,7 @@ MatchSums lineariseScalar(const GridView& grid, const PointSet& points, const co
     const int ix = static_cast<int>(std::clamp<double>(fx, 0, last));
     const int iy = static_cast<int>(std::clamp<double>(fy, 0, last));
     const int slot = grid.directory[((iy >> kTileShift) << grid.window_tiles_log2) + (ix >> kTileShift)];
-    const std::uint32_t quad =
-        grid.quads[slot * kTileArea + (iy & kTileMask) * kTileSide + (ix & kTileMask)];
+    const std::uint32_t quad = grid.quads[slot * kTileArea + (iy & kTileMask) * kTileSide + (ix & kTileMask)];
     const auto occupancy = [quad](int byte) { return ((quad >> (8 * byte)) & 0xFFU) / 255.0; };
     const double u = p.x() - fx;
     const double v = p.y() - fy;

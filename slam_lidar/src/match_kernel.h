@@ -8,8 +8,8 @@
 
 namespace rubble::slam_lidar {
 
-/// Beam end points in the level LiDAR frame, metres, as the kernel wants them: structure of arrays, padded with
-/// points of weight 0 to a multiple of kPadding.
+/// Beam end points in the level LiDAR frame, metres, as the kernel wants them: structure of arrays, padded
+/// with points of weight 0 to a multiple of kPadding.
 class PointSet {
  public:
   static constexpr std::size_t kPadding = 16;
@@ -37,12 +37,12 @@ class PointSet {
 /// Sums over all points of a scan at one pose. M is the bilinearly interpolated occupancy in [0, 1] at the
 /// point, J = dM/d(x, y, yaw) in 1/m, 1/m, 1/rad (Kohlbrecher et al. 2011, eq. 5, 6, 12).
 struct MatchSums {
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();   ///< sum w J^T J
-  Eigen::Vector3d g = Eigen::Vector3d::Zero();   ///< sum w J^T (1 - M)
-  double agree = 0.0;                            ///< sum w max(0, M - M_unknown), 1: surely occupied
-  double contradict = 0.0;                       ///< sum w max(0, M_unknown - M), 1: surely free
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();  ///< sum w J^T J
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();  ///< sum w J^T (1 - M)
+  double agree = 0.0;                           ///< sum w max(0, M - M_unknown), 1: surely occupied
+  double contradict = 0.0;                      ///< sum w max(0, M_unknown - M), 1: surely free
 
-  double cost = 0.0;                             ///< sum w (1 - M)^2, linearise() only
+  double cost = 0.0;  ///< sum w (1 - M)^2, linearise() only
 
   /// What searches maximise.
   double quality() const { return agree - 0.5 * contradict; }

@@ -30,8 +30,8 @@ Eigen::Matrix3d matchCovariance(const MatchSums& sums, double total_weight, doub
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
   const double variance = kBeamsErringTogether * sums.cost / std::max(total_weight, 1e-9);
   const double noise = 0.01 * total_weight * 0.25 / (cell_size * cell_size);
-  const Eigen::Vector3d information =
-      (eigen.eigenvalues().array() - noise).max(0.0) / variance + 1.0 / (kUnobservableSigma * kUnobservableSigma);
+  const Eigen::Vector3d information = (eigen.eigenvalues().array() - noise).max(0.0) / variance +
+                                      1.0 / (kUnobservableSigma * kUnobservableSigma);
   const Eigen::Matrix3d covariance =
       eigen.eigenvectors() * information.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
   return unit.asDiagonal() * covariance * unit.asDiagonal();
@@ -54,8 +54,9 @@ ScanMatch ScanMatcher::search(std::span<const TiledGrid> levels, const PointSet&
        correlative_.search(levels.back(), points, window, kSlope, kCandidates)) {
     ScanMatch m = align(levels, points, candidate.T_world_lidar);
     const common::Pose2 off = window.T_world_centre.inverse() * m.match.T_world_lidar;
-    const double value = m.match.sums.quality() / points.totalWeight() -
-                         kSlope * std::hypot(std::hypot(off.x, off.y) / window.distance, off.yaw / window.angle);
+    const double value =
+        m.match.sums.quality() / points.totalWeight() -
+        kSlope * std::hypot(std::hypot(off.x, off.y) / window.distance, off.yaw / window.angle);
     if (value > best_value) {
       best_value = value;
       best = m;

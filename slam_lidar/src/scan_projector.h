@@ -25,8 +25,8 @@ class ScanProjector {
   explicit ScanProjector(const GridSlamConfig::Scan& config) : config_(config) {}
 
   /// `twist`: the LiDAR's velocity (m/s, m/s, rad/s) in its own level frame, constant over the sweep.
-  void project(const LidarScan& scan, const Attitude& first, const Attitude& last, const Eigen::Vector3d& twist,
-               ProjectedScan& out);
+  void project(const LidarScan& scan, const Attitude& first, const Attitude& last,
+               const Eigen::Vector3d& twist, ProjectedScan& out);
 
  private:
   void updateDirections(const LidarScan& scan);

@@ -51,7 +51,8 @@ void ScanWriter::write(TiledGrid& grid, const common::Pose2& T_world_lidar, std:
   const double c = std::cos(T_world_lidar.yaw) / view.cell_size;
   const double s = std::sin(T_world_lidar.yaw) / view.cell_size;
   const auto cellOf = [&](double x, double y) {
-    return Eigen::Vector2i(static_cast<int>(origin.x() + c * x - s * y), static_cast<int>(origin.y() + s * x + c * y));
+    return Eigen::Vector2i(static_cast<int>(origin.x() + c * x - s * y),
+                           static_cast<int>(origin.y() + s * x + c * y));
   };
   const auto addHit = [&](const Eigen::Vector2d& p) {
     const Eigen::Vector2i cell = cellOf(p.x(), p.y());
@@ -67,8 +68,8 @@ void ScanWriter::write(TiledGrid& grid, const common::Pose2& T_world_lidar, std:
     if (!ray.hit) {
       continue;
     }
-    // Hits this close are one surface. Left apart they would be a comb, in which the next scan's hits catch, so
-    // that the robot seems to stand still along the wall.
+    // Hits this close are one surface. Left apart they would be a comb, in which the next scan's hits catch,
+    // so that the robot seems to stand still along the wall.
     const double gap = (p - previous).norm();
     if (gap < kSurfaceGap) {
       const int between = static_cast<int>(gap / view.cell_size);

@@ -11,7 +11,7 @@ struct SlamLidarConfig {
   bool use_odometry = true;
   double attitude_wait = 0.06;
   double control_timeout = 0.5;
-  double map_period = 0.5;
+  double map_period = 1.0;
   double checkpoint_period = 4.0;
   double restore_within = 120.0;
 };

@@ -227,6 +227,19 @@ class SlamLidarNode : public Node {
   }
 
   void handle(const bot_core::planar_lidar_t& message) {
+    match(message);
+    if (message.utime - last_map_utime_ >= common::utimeFromSeconds(config_.map_period)) {
+      const lcm_io::StageTimer publish(times_, "publish_map");
+      bus_.publish(lcm_io::channel::kGridMap, publisher_.next(grid_, message.utime, level_));
+      last_map_utime_ = message.utime;
+    }
+    if (checkpoint_ && bus_.now() - last_checkpoint_ >= common::utimeFromSeconds(config_.checkpoint_period)) {
+      checkpoint_->submit(grid_.serialise());
+      last_checkpoint_ = bus_.now();
+    }
+  }
+
+  void match(const bot_core::planar_lidar_t& message) {
     const lcm_io::StageTimer total(times_, "total");
     const ScanContext::Tilt first = context_.tiltAt(message.utime);
     const ScanContext::Tilt last = context_.tiltAt(endOfSweep(message));
@@ -242,7 +255,7 @@ class SlamLidarNode : public Node {
 
     ScanResult result;
     try {
-      const lcm_io::StageTimer match(times_, "match");
+      const lcm_io::StageTimer timer(times_, "match");
       result = grid_.addScan(input);
     } catch (const common::Error& e) {
       bus_.refuse(lcm_io::channel::kScan, e.what());
@@ -250,15 +263,6 @@ class SlamLidarNode : public Node {
     }
     count(result, input);
     publishPose(result, input);
-    if (message.utime - last_map_utime_ >= common::utimeFromSeconds(config_.map_period)) {
-      const lcm_io::StageTimer publish(times_, "publish_map");
-      bus_.publish(lcm_io::channel::kGridMap, publisher_.next(grid_, message.utime, level_));
-      last_map_utime_ = message.utime;
-    }
-    if (checkpoint_ && bus_.now() - last_checkpoint_ >= common::utimeFromSeconds(config_.checkpoint_period)) {
-      checkpoint_->submit(grid_.serialise());
-      last_checkpoint_ = bus_.now();
-    }
   }
 
   void count(const ScanResult& result, const ScanInput& input) {

@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::uint32_t kUnknownQuad = 0x80808080U;
 constexpr double kUnknownByte = 128.0;
-/// Free space lies this little below unknown space: were it 128, walls would pull towards the unknown behind them.
+/// Free space lies this little below unknown space: were it 128, walls would pull towards the unknown behind
+/// them.
 constexpr double kFreeDepth = 12.8;
 /// Beyond this occupancy is 0 or 1 to a byte's precision.
 constexpr int kByteLimit = 6 * static_cast<int>(kLogOddsScale);
@@ -25,11 +26,30 @@ std::array<std::uint8_t, 2 * kByteLimit + 1> makeByteTable() {
   return table;
 }
 
+std::array<std::uint8_t, 2 * kByteLimit + 1> makeProbabilityTable() {
+  std::array<std::uint8_t, 2 * kByteLimit + 1> table{};
+  for (int l = -kByteLimit; l <= kByteLimit; ++l) {
+    const double p = 1.0 / (1.0 + std::exp(-l / kLogOddsScale));
+    table[static_cast<std::size_t>(l + kByteLimit)] = static_cast<std::uint8_t>(1 + std::lround(254.0 * p));
+  }
+  table[kByteLimit] = 0;
+  return table;
+}
+
+std::size_t tableIndex(std::int16_t log_odds) {
+  return static_cast<std::size_t>(std::clamp<int>(log_odds, -kByteLimit, kByteLimit) + kByteLimit);
+}
+
 }  // namespace
+
+std::uint8_t TiledGrid::probabilityByte(std::int16_t log_odds) {
+  static const auto table = makeProbabilityTable();
+  return table[tableIndex(log_odds)];
+}
 
 std::uint8_t TiledGrid::occupancyByte(std::int16_t log_odds) {
   static const auto table = makeByteTable();
-  return table[static_cast<std::size_t>(std::clamp<int>(log_odds, -kByteLimit, kByteLimit) + kByteLimit)];
+  return table[tableIndex(log_odds)];
 }
 
 TiledGrid::TiledGrid(double cell_size, double reach) : cell_size_(cell_size) {
@@ -50,7 +70,8 @@ void TiledGrid::recentre(const Eigen::Vector2d& p_world) {
   const double tile = cell_size_ * kTileSide;
   const int window = 1 << window_tiles_log2_;
   const Eigen::Vector2d p_tile = p_world / tile;
-  const Eigen::Vector2d offset = p_tile - Eigen::Vector2d(window_tile_x_ + window / 2, window_tile_y_ + window / 2);
+  const Eigen::Vector2d offset =
+      p_tile - Eigen::Vector2d(window_tile_x_ + window / 2, window_tile_y_ + window / 2);
   if (offset.cwiseAbs().maxCoeff() < window / 4) {
     return;
   }
@@ -66,7 +87,8 @@ void TiledGrid::rebuildDirectory() {
   for (int y = 1; y < window - 1; ++y) {
     const std::int32_t row = window_tile_y_ + y;
     auto it = tiles_.lower_bound({row, window_tile_x_ + 1});
-    for (; it != tiles_.end() && it->first.first == row && it->first.second < window_tile_x_ + window - 1; ++it) {
+    for (; it != tiles_.end() && it->first.first == row && it->first.second < window_tile_x_ + window - 1;
+         ++it) {
       directory_[static_cast<std::size_t>(y * window + it->first.second - window_tile_x_)] = it->second;
     }
   }
@@ -80,7 +102,8 @@ GridView TiledGrid::view() const {
 
 std::int32_t TiledGrid::makeTile(int window_tile_x, int window_tile_y) {
   const int window = 1 << window_tiles_log2_;
-  RUBBLE_CHECK(window_tile_x > 0 && window_tile_y > 0 && window_tile_x < window - 1 && window_tile_y < window - 1);
+  RUBBLE_CHECK(window_tile_x > 0 && window_tile_y > 0 && window_tile_x < window - 1 &&
+               window_tile_y < window - 1);
   const auto slot = static_cast<std::int32_t>(cells_.size() / kTileArea);
   cells_.resize(cells_.size() + kTileArea);
   quads_.resize(quads_.size() + kTileArea, kUnknownQuad);
@@ -97,7 +120,8 @@ std::size_t TiledGrid::offsetAt(int x, int y) {
   if (slot == 0) [[unlikely]] {
     slot = makeTile(tile_x, tile_y);
   }
-  return static_cast<std::size_t>((slot << (2 * kTileShift)) + ((y & kTileMask) << kTileShift) + (x & kTileMask));
+  return static_cast<std::size_t>((slot << (2 * kTileShift)) + ((y & kTileMask) << kTileShift) +
+                                  (x & kTileMask));
 }
 
 void TiledGrid::setQuadByte(int x, int y, int byte, std::uint8_t value) {

@@ -1,13 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <map>
 #include <span>
 #include <utility>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "checkpoint.h"
 
@@ -36,10 +35,10 @@ struct GridView {
   Eigen::Vector2d p_world_window{0.0, 0.0};  ///< corner of the window, metres
 };
 
-/// One resolution of the map: a sparse grid of tiles, without limit. Tiles live in one pool; a dense window of
-/// slots around the robot makes the lookup two loads. Beside its log-odds every cell carries a `quad`: the
-/// occupancies (byte, 255 = occupied) of itself and its neighbours in +x, +y and +x+y, so that one gather gives
-/// all that bilinear interpolation and its gradient need.
+/// One resolution of the map: a sparse grid of tiles, without limit. Tiles live in one pool; a dense window
+/// of slots around the robot makes the lookup two loads. Beside its log-odds every cell carries a `quad`: the
+/// occupancies (byte, 255 = occupied) of itself and its neighbours in +x, +y and +x+y, so that one gather
+/// gives all that bilinear interpolation and its gradient need.
 class TiledGrid {
  public:
   /// The window reaches at least `reach` metres from its centre.
@@ -68,6 +67,8 @@ class TiledGrid {
   void load(ByteReader& in);
 
   static std::uint8_t occupancyByte(std::int16_t log_odds);
+  /// 0 unknown, else the occupancy probability (value - 1) / 254: what leaves this component.
+  static std::uint8_t probabilityByte(std::int16_t log_odds);
 
  private:
   std::size_t offsetAt(int x, int y);

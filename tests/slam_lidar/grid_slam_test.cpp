@@ -17,7 +17,8 @@ struct DriveLog {
   std::vector<common::Pose2> truth;
 };
 
-DriveLog drive(GridSlam& slam, const SyntheticRoom& room, const common::Pose2& T_world_start, int from, int to) {
+DriveLog drive(GridSlam& slam, const SyntheticRoom& room, const common::Pose2& T_world_start, int from,
+               int to) {
   DriveLog run;
   const auto poses = syntheticDrive(to);
   for (int i = from; i < to; ++i) {

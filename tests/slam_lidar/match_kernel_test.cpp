@@ -38,7 +38,8 @@ TEST_P(MatchKernel, EqualsTheScalarOracle) {
     const MatchSums fast = linearise(level.view(), points_, T_);
     const MatchSums slow = lineariseScalar(level.view(), points_, T_);
     EXPECT_LT((fast.H - slow.H).norm(), 2e-3 * slow.H.norm());
-    EXPECT_LT((fast.g - slow.g).norm(), 2e-3 * std::sqrt(slow.H.trace() * slow.cost)) << "terms cancel in the sum";
+    EXPECT_LT((fast.g - slow.g).norm(), 2e-3 * std::sqrt(slow.H.trace() * slow.cost))
+        << "terms cancel in the sum";
     EXPECT_NEAR(fast.agree, slow.agree, 2e-3 * slow.agree);
     EXPECT_NEAR(fast.contradict, slow.contradict, 2e-3 * slow.contradict);
     EXPECT_NEAR(fast.cost, slow.cost, 2e-3 * slow.cost);
@@ -64,7 +65,8 @@ TEST_P(MatchKernel, GradientEqualsTheNumericOne) {
     const double here = lineariseScalar(view, one, T_).cost;
     for (int k = 0; k < 3; ++k) {
       const auto moved = [&](double by) {
-        return common::Pose2{T_.x + (k == 0 ? by : 0.0), T_.y + (k == 1 ? by : 0.0), T_.yaw + (k == 2 ? by : 0.0)};
+        return common::Pose2{T_.x + (k == 0 ? by : 0.0), T_.y + (k == 1 ? by : 0.0),
+                             T_.yaw + (k == 2 ? by : 0.0)};
       };
       const double plus = lineariseScalar(view, one, moved(h)).cost;
       const double minus = lineariseScalar(view, one, moved(-h)).cost;

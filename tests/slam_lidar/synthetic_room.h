@@ -16,7 +16,8 @@ class SyntheticRoom {
   static constexpr double kFirstAngle = -std::numbers::pi / 2.0;
   static constexpr double kAngleStep = std::numbers::pi / (kBeams - 1);
 
-  /// Walls are askew to the grid by default: exactly along cell borders, noise-free hits all fall to one side.
+  /// Walls are askew to the grid by default: exactly along cell borders, noise-free hits all fall to one
+  /// side.
   static constexpr common::Pose2 kAskew{0.013, 0.021, 0.1};
 
   explicit SyntheticRoom(const common::Pose2& T_world_start = {})

@@ -95,13 +95,14 @@ TEST(GridMap, EqualsABruteForceMapWhereverTheRobotIs) {
       const Eigen::Vector2d p(static_cast<double>(ray.x), static_cast<double>(ray.y));
       const double gap = (p - previous).norm();
       for (int k = 1; gap < 0.4 && k <= static_cast<int>(gap / 0.05); ++k) {
-        hits[cellOf(T * Eigen::Vector2d(previous + (p - previous) * k / (static_cast<int>(gap / 0.05) + 1)))] = true;
+        hits[cellOf(
+            T * Eigen::Vector2d(previous + (p - previous) * k / (static_cast<int>(gap / 0.05) + 1)))] = true;
       }
       hits[cellOf(T * p)] = true;
       previous = p;
     }
-    const auto expected_hit =
-        static_cast<int>(std::lround(kLogOddsScale * std::log(config.map.hit_probability / (1.0 - config.map.hit_probability))));
+    const auto expected_hit = static_cast<int>(std::lround(
+        kLogOddsScale * std::log(config.map.hit_probability / (1.0 - config.map.hit_probability))));
     std::size_t found = 0;
     for (const auto& [key, slot] : map.finest().tiles()) {
       const auto cells = map.finest().tileCells(slot);

@@ -14,8 +14,8 @@
 namespace rubble::slam_lidar {
 
 /// One sweep of a planar LiDAR. Beam i points to `first_angle + i * angle_step` (radians, counter-clockwise
-/// from the LiDAR's x axis) and was measured at `utime + i / n * sweep_duration`. A range (metres) that is not
-/// finite, or outside the configured limits, is no hit.
+/// from the LiDAR's x axis) and was measured at `utime + i / n * sweep_duration`. A range (metres) that is
+/// not finite, or outside the configured limits, is no hit.
 struct LidarScan {
   common::Utime utime = 0;
   double first_angle = 0.0;
@@ -46,8 +46,8 @@ enum class ScanMode : std::uint8_t {
 
 struct ScanInput {
   LidarScan scan;
-  Attitude attitude_first;  ///< at the first beam
-  Attitude attitude_last;   ///< at the last beam, linear in between
+  Attitude attitude_first;             ///< at the first beam
+  Attitude attitude_last;              ///< at the last beam, linear in between
   bool attitude_extrapolated = false;  ///< the attitude is a guess: covariance inflated, nothing written
   std::optional<MotionPrior> prior;
   ScanMode mode = ScanMode::kMatchAndWrite;
@@ -63,16 +63,16 @@ enum class MatchStatus : std::uint8_t {
 enum class SearchKind : std::uint8_t { kNone, kLocal, kWide };
 
 struct ScanResult {
-  common::Utime utime = 0;       ///< of the scan's first beam
-  common::Pose2 T_world_lidar;   ///< at utime, in the level plane
-  Eigen::Matrix3d covariance;    ///< of (x, y, yaw) in world, m^2, m rad, rad^2; from scan and map alone
-  double score = 0.0;            ///< 0: nothing agrees with the map, 1: everything
+  common::Utime utime = 0;      ///< of the scan's first beam
+  common::Pose2 T_world_lidar;  ///< at utime, in the level plane
+  Eigen::Matrix3d covariance;   ///< of (x, y, yaw) in world, m^2, m rad, rad^2; from scan and map alone
+  double score = 0.0;           ///< 0: nothing agrees with the map, 1: everything
   MatchStatus status = MatchStatus::kLost;
-  bool matched = false;          ///< the pose comes from this scan, not from prediction alone
-  bool written = false;          ///< the scan went into the map
-  bool pending = false;          ///< the scan waits for commitUntil()
+  bool matched = false;                   ///< the pose comes from this scan, not from prediction alone
+  bool written = false;                   ///< the scan went into the map
+  bool pending = false;                   ///< the scan waits for commitUntil()
   SearchKind search = SearchKind::kNone;  ///< widest correlative search that was needed
-  int beams_used = 0;            ///< after range, floor and ceiling checks
+  int beams_used = 0;                     ///< after range, floor and ceiling checks
 };
 
 /// A tile of the finest level: kTileSize x kTileSize cells. Cell (0, 0) of tile (x, y) has its lower left
@@ -83,14 +83,15 @@ struct TileInfo {
   std::uint64_t revision = 0;  ///< map revision at which the tile last changed
 };
 
-/// 2D grid SLAM by scan-to-map matching: Gauss-Newton on multi-resolution occupancy grids (Kohlbrecher et al.,
-/// "A Flexible and Scalable SLAM System with Full 3D Motion Estimation", SSRR 2011), guarded by a correlative
-/// search (Olson, "Real-Time Correlative Scan Matching", ICRA 2009). Synchronous, deterministic, one owner.
+/// 2D grid SLAM by scan-to-map matching: Gauss-Newton on multi-resolution occupancy grids (Kohlbrecher et
+/// al., "A Flexible and Scalable SLAM System with Full 3D Motion Estimation", SSRR 2011), guarded by a
+/// correlative search (Olson, "Real-Time Correlative Scan Matching", ICRA 2009). Synchronous, deterministic,
+/// one owner.
 ///
-/// Policy when lost: nothing is written, and the search goes on around the predicted pose at bounded cost. After
-/// `search.give_up_scans` scans in a row without success in mode kMatchAndWrite, mapping goes on at the predicted
-/// pose in the same grid (status kGood, matched false, covariance 1 m^2): a map with a bent joint is of more use
-/// than none.
+/// Policy when lost: nothing is written, and the search goes on around the predicted pose at bounded cost.
+/// After `search.give_up_scans` scans in a row without success in mode kMatchAndWrite, mapping goes on at the
+/// predicted pose in the same grid (status kGood, matched false, covariance 1 m^2): a map with a bent joint
+/// is of more use than none.
 class GridSlam {
  public:
   static constexpr int kTileSize = 32;  ///< cells along one side
@@ -102,12 +103,13 @@ class GridSlam {
   GridSlam& operator=(GridSlam&&) noexcept;
 
   /// Matches, and writes as the mode allows. Throws common::Error, with nothing changed, for time that does
-  /// not increase, a bad angle step, or attitude or prior that is not finite. A scan with too few usable beams
-  /// is no error: it gives a result with `matched == false`.
+  /// not increase, a bad angle step, or attitude or prior that is not finite. A scan with too few usable
+  /// beams is no error: it gives a result with `matched == false`.
   ScanResult addScan(const ScanInput& input);
 
-  /// Sets the pose from outside (after M, or by the operator). The next matched scans search within `distance`
-  /// (metres) and `angle` (radians) around it, and nothing is written until several in a row agree.
+  /// Sets the pose from outside (after M, or by the operator). The next matched scans search within
+  /// `distance` (metres) and `angle` (radians) around it, and nothing is written until several in a row
+  /// agree.
   void relocalise(const common::Pose2& T_world_lidar, double distance, double angle);
 
   /// Writes pending scans with utime <= `until` into the map, in order. Returns how many.
@@ -129,7 +131,8 @@ class GridSlam {
 
   /// The complete state: a restored GridSlam goes on with identical results.
   std::vector<std::uint8_t> serialise() const;
-  /// Throws common::Error for bytes that are truncated, corrupt, of another version, or of another map geometry.
+  /// Throws common::Error for bytes that are truncated, corrupt, of another version, or of another map
+  /// geometry.
   static GridSlam restore(const GridSlamConfig& config, std::span<const std::uint8_t> bytes);
 
  private:
