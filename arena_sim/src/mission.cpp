@@ -197,7 +197,8 @@ void writeFlatMission(const MissionOptions& options, const common::Config& confi
   }
   const auto robot = config.read<common::RobotConfig>("robot", arenaRobot());
   Mission(options, config.read<ArenaSimConfig>("arena_sim"), robot, out);
-  common::writeFileAtomically(out / "robot.yaml", config.describe<common::RobotConfig>("robot", arenaRobot()));
+  common::writeFileAtomically(out / "robot.yaml",
+                              config.describe<common::RobotConfig>("robot", arenaRobot()));
 }
 
 }  // namespace rubble::arena_sim

@@ -4,23 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
 
 #include "common/error.h"
-#include "common/files.h"
-#include "grid_map.h"
-#include "scan_matcher.h"
+#include "grid_slam_state.h"
 
 namespace rubble::slam_lidar {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
 /// Oldest pending scans beyond this many are written off, should nobody commit or discard them.
 constexpr std::size_t kMaxPending = 256;
-/// A longer gap says nothing about how fast the robot is now.
-constexpr double kMaxCoasting = 0.6;
 constexpr double kMaxPriorDistance = 1000.0;  // metres
-constexpr std::uint64_t kYoungMap = 5;        // scans
 /// Share of the running score from which Gauss-Newton is taken at its word.
 constexpr double kTrusted = 0.85;
 /// Information per beam (1/m^2) at which a direction counts as half observed, and the velocity's gain in one
@@ -31,12 +24,6 @@ constexpr double kSlowGain = 0.3;
 /// it, and the error would come back through the next scan's motion compensation.
 constexpr double kVelocityMemory = 0.06;
 
-struct PendingScan {
-  common::Utime utime = 0;
-  common::Pose2 T_world_lidar;
-  std::vector<RayEnd> rays;
-};
-
 bool finite(const common::Pose2& T) {
   return std::isfinite(T.x) && std::isfinite(T.y) && std::isfinite(T.yaw);
 }
@@ -44,67 +31,6 @@ bool finite(const common::Pose2& T) {
 bool finite(const Attitude& a) { return std::isfinite(a.roll) && std::isfinite(a.pitch); }
 
 }  // namespace
-
-/// What a checkpoint holds as plain values, apart from map and pending scans.
-struct Tracking {
-  std::optional<common::Utime> utime;
-  common::Pose2 T_world_lidar;
-  common::Pose2 T_world_written;
-  std::array<double, 3> twist{};  ///< m/s, m/s, rad/s in the LiDAR's level frame
-  double expected_score = 0.0;    ///< running mean of the score
-  double search_distance = 0.0;   ///< of the window when lost
-  double search_angle = 0.0;
-  int lost_scans = 0;
-  int unverified = 0;  ///< good matches still needed before scans are written again
-  bool lost = false;
-  bool write_next = false;  ///< whatever the motion
-};
-
-struct GridSlam::State {
-  explicit State(const GridSlamConfig& c) : config(c), map(c), projector(c.scan), matcher(c) {}
-
-  GridSlamConfig config;
-  GridMap map;
-  ScanProjector projector;
-  ScanMatcher matcher;
-  ProjectedScan scan;
-  Tracking tracking;
-  std::deque<PendingScan> pending;
-
-  void checkInput(const ScanInput& input) const;
-  double secondsSinceLast(common::Utime utime) const {
-    return tracking.utime ? common::secondsFromUtime(utime - *tracking.utime) : 0.0;
-  }
-  common::Pose2 coast(double dt) const {
-    const double t = std::min(dt, kMaxCoasting);
-    return tracking.T_world_lidar *
-           common::Pose2{tracking.twist[0] * t, tracking.twist[1] * t, tracking.twist[2] * t};
-  }
-  /// Velocity (m/s, m/s, rad/s) over the scan's sweep: the prior's own where there is one.
-  Eigen::Vector3d sweepTwist(const std::optional<MotionPrior>& prior, double dt) const {
-    if (!prior || !(dt > 0.0)) {
-      return {tracking.twist[0], tracking.twist[1], tracking.twist[2]};
-    }
-    const common::Pose2& T = prior->T_previous_now;
-    return Eigen::Vector3d(T.x, T.y, T.yaw) / dt;
-  }
-  void loseTrack() {
-    if (!tracking.lost) {
-      tracking.lost = true;
-      tracking.lost_scans = 0;
-      tracking.search_distance = config.search.wide_distance;
-      tracking.search_angle = config.search.wide_angle;
-    }
-    tracking.twist = {};
-  }
-  void moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d& H);
-  /// While the map is of a few scans only, a low score says little and every scan is wanted.
-  bool young() const { return map.revision() + pending.size() < kYoungMap; }
-  ScanMatch track(const ScanInput& input, const common::Pose2& T_world_predicted, double dt);
-  ScanMatch searchLost(const common::Pose2& T_world_predicted);
-  void match(const ScanInput& input, const common::Pose2& T_world_predicted, double dt, ScanResult& result);
-  void writeIfDue(const ScanInput& input, ScanResult& result);
-};
 
 void GridSlam::State::checkInput(const ScanInput& input) const {
   if (tracking.utime && input.scan.utime <= *tracking.utime) {
@@ -341,84 +267,6 @@ std::vector<std::uint8_t> GridSlam::tileCells(std::int32_t x, std::int32_t y) co
     cells.push_back(TiledGrid::probabilityByte(cell.log_odds));
   }
   return cells;
-}
-
-std::vector<std::uint8_t> GridSlam::serialise() const {
-  ByteWriter out;
-  out.put(kMagic);
-  const Tracking& t = state_->tracking;
-  out.put(t.utime.has_value());
-  out.put(t.utime.value_or(0));
-  out.put(t.T_world_lidar);
-  out.put(t.T_world_written);
-  out.put(t.twist);
-  out.put(t.expected_score);
-  out.put(t.search_distance);
-  out.put(t.search_angle);
-  out.put(t.lost_scans);
-  out.put(t.unverified);
-  out.put(t.lost);
-  out.put(t.write_next);
-  state_->map.save(out);
-  out.put(static_cast<std::uint64_t>(state_->pending.size()));
-  for (const PendingScan& scan : state_->pending) {
-    out.put(scan.utime);
-    out.put(scan.T_world_lidar);
-    out.put(static_cast<std::uint64_t>(scan.rays.size()));
-    for (const RayEnd& ray : scan.rays) {
-      out.put(ray.x);
-      out.put(ray.y);
-      out.put(ray.hit);
-    }
-  }
-  out.put(common::crc32(out.bytes()));
-  return std::move(out.bytes());
-}
-
-GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::uint8_t> bytes) {
-  ByteReader in(bytes);
-  if (in.get<std::array<char, 8>>() != kMagic) {
-    throw common::Error("LiDAR SLAM state: not a state, or one of another version");
-  }
-  std::uint32_t crc = 0;
-  if (in.left() < sizeof crc) {
-    throw common::Error("LiDAR SLAM state: truncated");
-  }
-  std::memcpy(&crc, bytes.data() + bytes.size() - sizeof crc, sizeof crc);
-  if (crc != common::crc32(bytes.first(bytes.size() - sizeof crc))) {
-    throw common::Error("LiDAR SLAM state: damaged, its checksum is wrong");
-  }
-  auto state = std::make_unique<State>(config);
-  Tracking& t = state->tracking;
-  const bool has_utime = in.get<std::uint8_t>() != 0;
-  const auto utime = in.get<common::Utime>();
-  t.utime = has_utime ? std::optional(utime) : std::nullopt;
-  t.T_world_lidar = in.get<common::Pose2>();
-  t.T_world_written = in.get<common::Pose2>();
-  t.twist = in.get<std::array<double, 3>>();
-  t.expected_score = in.get<double>();
-  t.search_distance = in.get<double>();
-  t.search_angle = in.get<double>();
-  t.lost_scans = in.get<int>();
-  t.unverified = in.get<int>();
-  t.lost = in.get<std::uint8_t>() != 0;
-  t.write_next = in.get<std::uint8_t>() != 0;
-  state->map.load(in);
-  state->pending.resize(in.getCount(sizeof(common::Utime) + sizeof(common::Pose2)));
-  for (PendingScan& scan : state->pending) {
-    scan.utime = in.get<common::Utime>();
-    scan.T_world_lidar = in.get<common::Pose2>();
-    scan.rays.resize(in.getCount(2 * sizeof(float) + sizeof(bool)));
-    for (RayEnd& ray : scan.rays) {
-      ray.x = in.get<float>();
-      ray.y = in.get<float>();
-      ray.hit = in.get<std::uint8_t>() != 0;
-    }
-  }
-  if (in.left() != sizeof crc) {
-    throw common::Error("LiDAR SLAM state: there is more than belongs to it");
-  }
-  return GridSlam(std::move(state));
 }
 
 }  // namespace rubble::slam_lidar

@@ -19,9 +19,6 @@ void visit(common::ConfigSection& section, GridSlamConfig& config) {
   scan.number("max_range", config.scan.max_range, "m", 1.0, 200.0, "beams this long or longer are ignored");
   scan.number("free_space_range", config.scan.free_space_range, "m", 0.0, 200.0,
               "how far along a beam cells are marked as free");
-  scan.number("sweep_duration", config.scan.sweep_duration, "s", 0.0, 1.0,
-              "from the first beam to one after the last; 0: the driver has no sweep time");
-  scan.number("height_above_floor", config.scan.height_above_floor, "m", 0.01, 10.0, "of the LiDAR's origin");
   scan.number("height_below_ceiling", config.scan.height_below_ceiling, "m", 0.01, 100.0,
               "of the LiDAR's origin");
   scan.number("height_margin", config.scan.height_margin, "m", 0.0, 1.0,

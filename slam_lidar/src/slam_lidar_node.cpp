@@ -60,6 +60,32 @@ common::Pose2 startPose(const common::Config& config) {
           common::rpyFromRotation(T_world_lidar.linear()).yaw};
 }
 
+/// The grid of a checkpoint that is young enough, searching around its last pose; empty where there is none.
+std::optional<GridSlam> restoreFresh(const std::filesystem::path& path, const SlamLidarConfig& config,
+                                     Utime now) {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(path, error);
+  if (error) {
+    return std::nullopt;
+  }
+  const auto written_since_epoch = std::chrono::file_clock::to_sys(written).time_since_epoch();
+  const double age = common::secondsFromUtime(
+      now - std::chrono::duration_cast<std::chrono::microseconds>(written_since_epoch).count());
+  if (age > config.restore_within) {
+    spdlog::info("{} is {:.0f} s old: not restored, a new map begins", path.string(), age);
+    return std::nullopt;
+  }
+  try {
+    GridSlam grid = GridSlam::restore(config.grid, common::readFile(path));
+    grid.relocalise(grid.pose(), kRestoreDistance, kRestoreAngle);
+    spdlog::info("restored from {}, {:.0f} s old", path.string(), age);
+    return grid;
+  } catch (const common::Error& e) {
+    spdlog::error("{}: not restored, a new map begins: {}", path.string(), e.what());
+    return std::nullopt;
+  }
+}
+
 class SlamLidarNode : public Node {
  public:
   explicit SlamLidarNode(const lcm_io::ProcessContext& context)
@@ -71,7 +97,9 @@ class SlamLidarNode : public Node {
     if (!context.state_dir.empty()) {
       std::filesystem::create_directories(context.state_dir);
       const std::filesystem::path path = context.state_dir / "slam_lidar.checkpoint";
-      restoreFresh(path);
+      if (auto restored = restoreFresh(path, config_, bus_.now())) {
+        grid_ = std::move(*restored);
+      }
       checkpoint_.emplace(path);
     }
     subscribe();
@@ -307,29 +335,6 @@ class SlamLidarNode : public Node {
     pose.level = level_;
     pose.map_revision = static_cast<std::int64_t>(grid_.mapRevision());
     bus_.publish(lcm_io::channel::kLidarPose, pose);
-  }
-
-  void restoreFresh(const std::filesystem::path& path) {
-    std::error_code error;
-    const auto written = std::filesystem::last_write_time(path, error);
-    if (error) {
-      return;
-    }
-    const auto written_since_epoch = std::chrono::file_clock::to_sys(written).time_since_epoch();
-    const double age = common::secondsFromUtime(
-        bus_.now() - std::chrono::duration_cast<std::chrono::microseconds>(written_since_epoch).count());
-    if (age > config_.restore_within) {
-      spdlog::info("{} is {:.0f} s old: not restored, a new map begins", path.string(), age);
-      return;
-    }
-    try {
-      GridSlam restored = GridSlam::restore(config_.grid, common::readFile(path));
-      restored.relocalise(restored.pose(), kRestoreDistance, kRestoreAngle);
-      grid_ = std::move(restored);
-      spdlog::info("restored from {}, {:.0f} s old", path.string(), age);
-    } catch (const common::Error& e) {
-      spdlog::error("{}: not restored, a new map begins: {}", path.string(), e.what());
-    }
   }
 
   lcm_io::Bus& bus_;

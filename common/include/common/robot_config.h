@@ -24,7 +24,8 @@ struct RobotConfig {
   /// T_body_camera; the camera's frame is optical: x right, y down, z forward.
   Mount camera{{0.12, 0.0, 0.22}, {-1.5707963267948966, 0.0, -1.5707963267948966}};
   /// From a scan's first beam to one step after its last: beam i of n is measured at i / n of it. A
-  /// UTM-30LX turns in 25 ms and looks at 270 of the 360 degrees: 0.01875. The default suits a LiDAR nobody knows.
+  /// UTM-30LX turns in 25 ms and looks at 270 of the 360 degrees: 0.01875. The default suits a LiDAR nobody
+  /// knows.
   double lidar_sweep_time_s = 0.0;
 
   /// T_body_plate for the stabiliser's angles: roll first, then pitch.

@@ -21,11 +21,12 @@ struct GridSlamConfig {
     double min_range = 0.1;
     double max_range = 80.0;
     double free_space_range = 15.0;
-    double sweep_duration = 0.0;
-    double height_above_floor = 0.5;
     double height_below_ceiling = 10.0;
     double height_margin = 0.1;
     int min_beams = 20;
+    // Not in visit(): the robot's, from section `robot`.
+    double sweep_duration = 0.0;      // s, first beam to one step after the last
+    double height_above_floor = 0.5;  // m, of the LiDAR's origin
   } scan;
 
   struct Match {
