@@ -110,19 +110,11 @@ class SlamLidarNode : public Node {
     const auto due = [&](const Waiting& scan) {
       return now >= scan.deadline || context_.complete(scan.message.utime, endOfSweep(scan.message));
     };
-    while (!waiting_.empty() && due(waiting_.front())) {
-      const Waiting scan = std::move(waiting_.front());
-      waiting_.pop_front();
-      handle(scan.message);
-    }
+    handleWaiting(due);
   }
 
   void finish() override {
-    while (!waiting_.empty()) {
-      const Waiting scan = std::move(waiting_.front());
-      waiting_.pop_front();
-      handle(scan.message);
-    }
+    handleWaiting([](const Waiting&) { return true; });
     while (publisher_.behind(grid_)) {
       bus_.publish(lcm_io::channel::kGridMap, publisher_.next(grid_, last_scan_utime_, level_));
     }
@@ -251,6 +243,15 @@ class SlamLidarNode : public Node {
         return ScanMode::kMatchOnly;
       default:
         return controlSilent() ? ScanMode::kMatchOnly : ScanMode::kMatchAndWrite;
+    }
+  }
+
+  template <typename Due>
+  void handleWaiting(const Due& due) {
+    while (!waiting_.empty() && due(waiting_.front())) {
+      const Waiting scan = std::move(waiting_.front());
+      waiting_.pop_front();
+      handle(scan.message);
     }
   }
 

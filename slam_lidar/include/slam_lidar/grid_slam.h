@@ -33,8 +33,6 @@ struct Attitude {
 /// Only a seed: neither the matched pose nor its covariance is pulled towards it.
 struct MotionPrior {
   common::Pose2 T_previous_now;
-  double sigma_translation = 0.1;  ///< metres, 1 sigma, rough
-  double sigma_rotation = 0.05;    ///< radians, 1 sigma, rough
 };
 
 /// What a scan may do: fusion's states H, R and M.
