@@ -3,177 +3,103 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bot_core/planar_lidar_t.hpp>
 #include <cmath>
-#include <functional>
-#include <rubble/ground_truth_t.hpp>
-#include <rubble/odometry_t.hpp>
-#include <rubble/stabilizer_t.hpp>
-#include <vector>
 
-#include "arena_sim_config.h"
 #include "common/error.h"
 #include "common/files.h"
-#include "common/robot_config.h"
-#include "common/trajectory.h"
-#include "lcm_io/channels.h"
-#include "lcm_io/conversions.h"
+#include "config.h"
+#include "contact_sheet.h"
 #include "lcm_io/log_file.h"
-#include "route.h"
-#include "top_view.h"
-#include "truth_map.h"
+#include "mission_cache.h"
+#include "sensors/plate_controller.h"
+#include "simulation.h"
+#include "truth/top_view.h"
 
 namespace rubble::arena_sim {
 
 namespace {
 
-constexpr common::Utime kStartUtime = 1'700'000'000 * common::kMicrosecondsPerSecond;
-constexpr common::Utime kTransport = 500;  // From a measurement's end to its arrival.
-constexpr double kStabilizerRate = 50.0;
-constexpr int kMapEveryScan = 4;
-constexpr std::size_t kMapEveryBeam = 2;
+namespace fs = std::filesystem;
 
-common::Utime utimeOf(double seconds) { return kStartUtime + common::utimeFromSeconds(seconds); }
+/// Grows when the same scenario comes to look or sound different. Older cached missions are then stale.
+constexpr int kOutputVersion = 1;
 
-/// A sensor that reports with a fixed period.
-struct Source {
-  double rate = 0.0;
-  double delay_s = 0.0;  // From the stamp to the arrival.
-  std::function<void(double seconds, common::Utime received)> report;
-  int reports = 0;
+constexpr std::uint32_t kControllerStream = 20;
 
-  double stamp() const { return reports / rate; }
-  double arrival() const { return stamp() + delay_s; }
+struct Kind {
+  MissionKind kind;
+  double usual_duration_s;
 };
 
-class Mission {
- public:
-  Mission(const MissionOptions& options, const ArenaSimConfig& config, const common::RobotConfig& robot,
-          const std::filesystem::path& out)
-      : config_(config),
-        T_body_lidar_(robot.T_body_lidar()),
-        arena_(makeArena(options.seed)),
-        caster_(arena_.segments),
-        motion_(planRoute(arena_, options.seed, options.duration_s, config.motion)),
-        lidar_(config.lidar, caster_, motion_, planar(T_body_lidar_), robot.lidar_sweep_time_s, options.seed),
-        odometry_(config.odometry, motion_, options.seed),
-        map_(arena_.segments),
-        log_(out / "mission.lcm"),
-        out_(out) {
-    sources_ = {{kStabilizerRate, 0.0, [this](double t, common::Utime r) { reportStabilizer(t, r); }},
-                {config.lidar.rate, robot.lidar_sweep_time_s,
-                 [this](double t, common::Utime r) { reportScan(t, r); }}};
-    if (options.with_odometry) {
-      sources_.push_back(
-          {config.odometry.rate, 0.0, [this](double t, common::Utime r) { reportOdometry(t, r); }});
-    }
-    run(options.duration_s);
+Kind kindOf(const std::string& name) {
+  if (name == "flat") {
+    return {MissionKind::kFlat, 75.0};
   }
-
- private:
-  static common::Pose2 planar(const common::Pose3& T) {
-    const common::RollPitchYaw rpy = common::rpyFromRotation(T.linear());
-    constexpr double kLevel = 1e-6;
-    if (std::abs(rpy.roll) > kLevel || std::abs(rpy.pitch) > kLevel) {
-      throw common::Error(
-          "the mission `flat` needs a level LiDAR: roll and pitch of robot.lidar.rpy must be 0");
-    }
-    return {T.translation().x(), T.translation().y(), rpy.yaw};
+  if (name == "rescue") {
+    return {MissionKind::kRescue, 180.0};
   }
-
-  /// All reports in the order of their arrival, then the files of truth.
-  void run(double duration_s) {
-    while (true) {
-      Source& next =
-          *std::min_element(sources_.begin(), sources_.end(),
-                            [](const Source& a, const Source& b) { return a.arrival() < b.arrival(); });
-      if (next.arrival() >= duration_s) {
-        break;
-      }
-      next.report(next.stamp(), utimeOf(next.arrival()) + kTransport);
-      ++next.reports;
-    }
-    log_.close();
-    const std::filesystem::path truth = out_ / "truth";
-    std::filesystem::create_directories(truth);
-    common::writeTum(truth / "body.tum", body_truth_);
-    common::writeTum(truth / "lidar.tum", lidar_truth_);
-    common::writeFileAtomically(truth / "map_0.pgm", map_.pgm());
-    common::writeFileAtomically(truth / "map_0.yaml", map_.yaml("map_0.pgm"));
-    writeTopView(out_ / "top_view.png", arena_, map_, motion_);
+  if (name == "tour") {
+    return {MissionKind::kTour, 300.0};
   }
+  throw common::Error(fmt::format("there is no mission `{}`; choose flat, rescue or tour", name));
+}
 
-  void reportScan(double seconds, common::Utime received) {
-    bot_core::planar_lidar_t scan;
-    scan.utime = utimeOf(seconds);
-    scan.ranges = lidar_.measure(seconds);
-    scan.nranges = static_cast<std::int32_t>(scan.ranges.size());
-    scan.nintensities = 0;
-    scan.rad0 = static_cast<float>(config_.lidar.firstAngle());
-    scan.radstep = static_cast<float>(config_.lidar.angleStep());
-    log_.writeMessage(received, lcm_io::channel::kScan, scan);
+/// The same view in pictures of another size.
+void scalePictures(common::RobotConfig::Intrinsics& lens, double scale) {
+  lens.width = std::max(1, static_cast<int>(std::lround(lens.width * scale)));
+  lens.height = std::max(1, static_cast<int>(std::lround(lens.height * scale)));
+  for (std::size_t i = 0; i < 2; ++i) {
+    lens.focal[i] *= scale;
+    lens.centre[i] = (lens.centre[i] + 0.5) * scale - 0.5;
+  }
+}
 
-    const common::Pose3 T_world_body = common::pose3FromPose2(motion_.at(seconds));
-    reportTruth(scan.utime, received, "body", T_world_body, body_truth_);
-    reportTruth(scan.utime, received, "lidar", T_world_body * T_body_lidar_, lidar_truth_);
-    if (scans_++ % kMapEveryScan == 0) {
-      seeMap(seconds);
+void createFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw common::Error(fmt::format("{}: cannot be created ({})", folder.string(), error.message()));
+  }
+}
+
+void record(const MissionOptions& options, const Kind& kind, double duration_s, const ArenaSimConfig& config,
+            const common::RobotConfig& robot, const fs::path& out) {
+  WorldConfig world_config = config.world;
+  if (kind.kind == MissionKind::kFlat) {
+    world_config.crossing = false;
+    world_config.ramp_fields = false;
+  }
+  const World world = makeWorld(world_config, options.seed);
+  const Motion motion = planMission(world, kind.kind, options.seed, duration_s, config.motion);
+
+  lcm_io::LogWriter log(out / "mission.lcm");
+  ContactSheet sheet(motion.duration());
+  Simulation simulation(
+      world, motion, config, robot, options.seed, {options.with_camera, options.with_odometry},
+      [&](common::Utime received, const char* channel, const lcm_io::Bytes& data) {
+        log.write(received, channel, data);
+      },
+      [&](double seconds, const cv::Mat& bgr) { sheet.add(seconds, bgr); });
+  PlateController controller(
+      config.plate_controller, [&](double t) { return simulation.motion().at(t); },
+      randomStream(options.seed, kControllerStream));
+  const double period = 1.0 / config.plate_controller.rate;
+  for (double next_command = 0.0; simulation.step();) {
+    if (simulation.seconds() >= next_command) {
+      simulation.commandPlate(controller.next(simulation.seconds()));
+      next_command += period;
+    }
+    if (options.progress) {
+      options.progress(simulation.seconds() / motion.duration());
     }
   }
-
-  /// Seen in one moment is near enough: the map shows what the mission saw, not how.
-  void seeMap(double seconds) {
-    const common::Pose2 T_world_lidar = lidar_.pose(seconds);
-    const int beams = config_.lidar.beams;
-    for (int i = 0; i < beams; i += kMapEveryBeam) {
-      const double angle = T_world_lidar.yaw + config_.lidar.firstAngle() + i * config_.lidar.angleStep();
-      const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-      const double range = caster_.cast(T_world_lidar.translation(), direction);
-      if (range <= config_.lidar.max_range) {
-        map_.addBeam(T_world_lidar.translation(), T_world_lidar.translation() + range * direction);
-      }
-    }
+  log.close();
+  simulation.truth().write(out / "truth");
+  writeTopView(out / "top_view.png", world, simulation.truth().map(), simulation.motion());
+  if (options.with_camera) {
+    sheet.write(out / "preview.png");
   }
-
-  void reportTruth(common::Utime utime, common::Utime received, const char* frame,
-                   const common::Pose3& T_world_frame, common::Trajectory& trajectory) {
-    rubble::ground_truth_t truth;
-    truth.utime = utime;
-    truth.frame = frame;
-    lcm_io::poseToMessage(T_world_frame, truth.p_world_frame, truth.q_world_frame);
-    log_.writeMessage(received, lcm_io::channel::kGroundTruth, truth);
-    trajectory.push_back({utime, T_world_frame});
-  }
-
-  void reportStabilizer(double seconds, common::Utime received) {
-    rubble::stabilizer_t stabilizer{};
-    stabilizer.utime = utimeOf(seconds);
-    log_.writeMessage(received, lcm_io::channel::kStabilizer, stabilizer);
-  }
-
-  void reportOdometry(double seconds, common::Utime received) {
-    rubble::odometry_t odometry;
-    odometry.utime = utimeOf(seconds);
-    lcm_io::poseToMessage(common::pose3FromPose2(odometry_.next()), odometry.p_odom_body,
-                          odometry.q_odom_body);
-    log_.writeMessage(received, lcm_io::channel::kOdometry, odometry);
-  }
-
-  const ArenaSimConfig config_;
-  const common::Pose3 T_body_lidar_;
-  const Arena arena_;
-  const RayCaster caster_;
-  const Motion motion_;
-  LidarModel lidar_;
-  OdometryModel odometry_;
-  TruthMap map_;
-  lcm_io::LogWriter log_;
-  const std::filesystem::path out_;
-  std::vector<Source> sources_;
-  common::Trajectory body_truth_;
-  common::Trajectory lidar_truth_;
-  int scans_ = 0;
-};
+}
 
 }  // namespace
 
@@ -181,24 +107,37 @@ common::RobotConfig arenaRobot() {
   common::RobotConfig robot;
   robot.plate_translation = {0.10, 0.0, 0.25};
   robot.lidar_sweep_time_s = 0.01875;
+  robot.intrinsics.distortion = {-0.22, 0.045, 0.0006, -0.0004};
   return robot;
 }
 
-void writeFlatMission(const MissionOptions& options, const common::Config& config,
-                      const std::filesystem::path& out) {
-  if (!(options.duration_s >= kShortestMission)) {
-    throw common::Error(fmt::format("a mission of {} s is too short; give it at least {} s",
-                                    options.duration_s, kShortestMission));
+void writeMission(const MissionOptions& options, const common::Config& config, const fs::path& out) {
+  const Kind kind = kindOf(options.kind);
+  const double duration_s = options.duration_s.value_or(kind.usual_duration_s);
+  if (!(duration_s >= kShortestMission)) {
+    throw common::Error(
+        fmt::format("a mission of {} s is too short; give it at least {} s", duration_s, kShortestMission));
   }
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  if (error) {
-    throw common::Error(fmt::format("{}: cannot be created ({})", out.string(), error.message()));
+  auto robot = config.read<common::RobotConfig>("robot", arenaRobot());
+  const auto scenario = config.read<ArenaSimConfig>("arena_sim");
+  scalePictures(robot.intrinsics, scenario.picture_scale);
+  const std::string robot_yaml = common::Config().describe<common::RobotConfig>("robot", robot);
+  const std::string scenario_yaml = config.describe<ArenaSimConfig>("arena_sim");
+  createFolder(out);
+
+  const MissionCache cache(options.cache,
+                           fmt::format("{} {} {} {} {} {}\n{}{}", kOutputVersion, options.kind, options.seed,
+                                       duration_s, options.with_camera, options.with_odometry, robot_yaml,
+                                       scenario_yaml));
+  if (!options.cache.empty() && cache.fetch(out)) {
+    return;
   }
-  const auto robot = config.read<common::RobotConfig>("robot", arenaRobot());
-  Mission(options, config.read<ArenaSimConfig>("arena_sim"), robot, out);
-  common::writeFileAtomically(out / "robot.yaml",
-                              config.describe<common::RobotConfig>("robot", arenaRobot()));
+  common::writeFileAtomically(out / "robot.yaml", robot_yaml);
+  common::writeFileAtomically(out / "arena_sim.yaml", scenario_yaml);
+  record(options, kind, duration_s, scenario, robot, out);
+  if (!options.cache.empty()) {
+    cache.store(out);
+  }
 }
 
 }  // namespace rubble::arena_sim

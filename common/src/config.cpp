@@ -201,6 +201,38 @@ ConfigSection& ConfigSection::section(const char* key, const char* doc) {
   return children_.emplace_back(std::move(child));
 }
 
+std::optional<std::vector<ConfigSection::Source>> ConfigSection::readList(const char* key) {
+  std::optional<std::vector<Source>> mappings;
+  apply(key, [&](const Source& source, const YAML::Node& node) {
+    const bool is_list =
+        node.IsSequence() && std::all_of(node.begin(), node.end(), [](const auto& item) { return item.IsMap(); });
+    if (!is_list) {
+      fail(source, key, "must be a list of mappings");
+    }
+    mappings.emplace();
+    for (const YAML::Node& item : node) {
+      mappings->push_back({item, source.origin});
+    }
+  });
+  return mappings;
+}
+
+ConfigSection& ConfigSection::addListItem(const char* key, std::size_t index,
+                                          const std::optional<Source>& source) {
+  ConfigSection item(fmt::format("{}.{}[{}]", path_, key, index), depth_ + 2);
+  item.is_list_item_ = true;
+  if (source) {
+    item.sources_.push_back(*source);
+  }
+  return children_.emplace_back(std::move(item));
+}
+
+void ConfigSection::documentList(const char* key, std::size_t items, const char* doc) {
+  const std::string line = fmt::format("{:{}}{}:{}", "", 2 * depth_, key, items == 0 ? " []" : "");
+  lines_.push_back(fmt::format("{:<40} # {}\n", line, doc));
+  lines_.resize(lines_.size() + items);
+}
+
 void ConfigSection::rejectUnknownKeys() const {
   for (const Source& source : sources_) {
     checkKeys(source.map, source.origin, path_, known_);
@@ -215,6 +247,9 @@ std::string ConfigSection::description() const {
   auto child = children_.begin();
   for (const std::string& line : lines_) {
     text += line.empty() ? (child++)->description() : line;
+  }
+  if (is_list_item_ && !text.empty()) {
+    text[2 * static_cast<std::size_t>(depth_) - 2] = '-';
   }
   return text;
 }

@@ -16,6 +16,17 @@ void visitMount(ConfigSection& section, RobotConfig::Mount& mount, const char* p
   section.numbers("rpy", mount.rpy, "rad", -kLargestAngle, kLargestAngle, "roll, pitch, yaw (Z-Y-X)");
 }
 
+void visitIntrinsics(ConfigSection& section, RobotConfig::Intrinsics& lens) {
+  section.integer("width", lens.width, "pixels", 16, 8192, "of a picture");
+  section.integer("height", lens.height, "pixels", 16, 8192, "of a picture");
+  section.number("rate", lens.rate, "Hz", 1.0, 240.0, "pictures per second");
+  section.choice("model", lens.model, {"pinhole", "fisheye"},
+                 "radial-tangential distortion (k1 k2 p1 p2), or equidistant (k1 k2 k3 k4)");
+  section.numbers("focal", lens.focal, "pixels", 1.0, 1e5, "fx, fy");
+  section.numbers("centre", lens.centre, "pixels", -1e4, 1e4, "cx, cy; the first pixel's centre is 0");
+  section.numbers("distortion", lens.distortion, "", -10.0, 10.0, "four coefficients of the model");
+}
+
 }  // namespace
 
 Pose3 RobotConfig::Mount::pose() const {
@@ -43,8 +54,10 @@ void visit(ConfigSection& section, RobotConfig& config) {
   visitMount(lidar, config.lidar, "x, y, z in plate");
   lidar.number("sweep_time_s", config.lidar_sweep_time_s, "s", 0.0, 0.2,
                "first beam of a scan to one step after the last");
-  visitMount(section.section("camera", "T_body_camera, optical frame: x right, y down, z forward"),
-             config.camera, "x, y, z in body");
+  ConfigSection& camera =
+      section.section("camera", "T_body_camera, optical frame: x right, y down, z forward; and its lens");
+  visitMount(camera, config.camera, "x, y, z in body");
+  visitIntrinsics(camera, config.intrinsics);
 }
 
 }  // namespace rubble::common

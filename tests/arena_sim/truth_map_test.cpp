@@ -1,4 +1,4 @@
-#include "truth_map.h"
+#include "truth/truth_map.h"
 
 #include <gtest/gtest.h>
 

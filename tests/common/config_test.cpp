@@ -8,6 +8,16 @@
 
 namespace rubble::common {
 
+struct SampleItem {
+  std::string name = "nobody";
+  double weight = 1.0;
+};
+
+void visit(ConfigSection& section, SampleItem& item) {
+  section.text("name", item.name, "who");
+  section.number("weight", item.weight, "kg", 0.0, 10.0, "how heavy");
+}
+
 struct SampleConfig {
   struct Map {
     double cell_size = 0.05;
@@ -20,6 +30,7 @@ struct SampleConfig {
   std::string mode = "fast";
   std::vector<double> offset{0.1, 0.2};
   Map map;
+  std::vector<SampleItem> items;
 };
 
 void visit(ConfigSection& section, SampleConfig& config) {
@@ -32,6 +43,7 @@ void visit(ConfigSection& section, SampleConfig& config) {
   ConfigSection& map = section.section("map", "the grid");
   map.number("cell_size", config.map.cell_size, "m", 0.01, 1.0, "side of a cell");
   map.integer("tiles", config.map.tiles, "tiles", 1, 64, "along a side");
+  section.sections("items", config.items, "what there is");
 }
 
 namespace {
@@ -113,6 +125,39 @@ TEST_F(ConfigTest, LaterSourcesWinKeyByKey) {
   EXPECT_EQ(config.map.tiles, 2);
   EXPECT_EQ(config.map.cell_size, 0.2);
   EXPECT_EQ(config.offset[1], 0.5);
+}
+
+TEST_F(ConfigTest, ListsOfMappingsAreReadAndReplacedWhole) {
+  addSection("  items:\n    - {name: a, weight: 2}\n    - {name: b}\n");
+  ASSERT_EQ(read().items.size(), 2U);
+  EXPECT_EQ(read().items[0].name, "a");
+  EXPECT_EQ(read().items[0].weight, 2.0);
+  EXPECT_EQ(read().items[1].name, "b");
+  EXPECT_EQ(read().items[1].weight, 1.0);
+  config_.addOverride("fusion.items=[{name: c}]");
+  ASSERT_EQ(read().items.size(), 1U);
+  EXPECT_EQ(read().items[0].name, "c");
+  config_.addOverride("fusion.items=[]");
+  EXPECT_TRUE(read().items.empty());
+}
+
+TEST_F(ConfigTest, ErrorsInListsNamePlaceAndItem) {
+  EXPECT_EQ(errorOfSection("  items: 3\n"), place(2) + "`fusion.items` must be a list of mappings");
+  EXPECT_EQ(errorOfSection("  items: [1]\n"), place(2) + "`fusion.items` must be a list of mappings");
+  EXPECT_EQ(errorOfSection("  items:\n    - {name: a}\n    - {nam: b}\n"),
+            place(4) + "unknown key `nam` in `fusion.items[1]`; did you mean `name`?");
+  EXPECT_EQ(errorOfSection("  items:\n    - {weight: 11}\n"),
+            place(3) + "`fusion.items[0].weight` = 11 is outside 0 .. 10 kg");
+}
+
+TEST_F(ConfigTest, DescribedListsReadBack) {
+  addSection("  items:\n    - {name: a, weight: 2}\n    - {name: b}\n");
+  const std::string described = config_.describe<SampleConfig>("fusion");
+  config_ = Config();
+  add(described);
+  ASSERT_EQ(read().items.size(), 2U) << described;
+  EXPECT_EQ(read().items[0].weight, 2.0);
+  EXPECT_EQ(read().items[1].name, "b");
 }
 
 TEST_F(ConfigTest, OtherSectionsAreNotThisOnes) {

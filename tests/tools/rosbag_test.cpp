@@ -70,7 +70,7 @@ TEST_P(RosbagCompressionTest, EveryKindOfMessage) {
   EXPECT_NEAR(odometry.q_odom_body[3], std::sin(0.25), 1e-12);
 
   const auto picture = pictures().at(0);
-  EXPECT_EQ(picture.pixelformat, kGrey);
+  EXPECT_EQ(picture.pixelformat, lcm_io::kGrey);
   EXPECT_EQ(picture.row_stride, 4);
   EXPECT_THAT(picture.data, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
 
@@ -141,7 +141,7 @@ TEST_F(RosbagTest, CompressedPicturesPassThrough) {
   }
   import();
   EXPECT_EQ(pictures().at(0).data, jpeg);
-  EXPECT_EQ(pictures().at(0).pixelformat, kMjpg);
+  EXPECT_EQ(pictures().at(0).pixelformat, lcm_io::kMjpg);
   EXPECT_EQ(pictures().at(1).utime, 1000020000);
 
   {

@@ -76,11 +76,11 @@ TEST_F(SequenceTest, TumPicturesTruthAndCalibration) {
   importTum();
   const auto images = pictures();
   ASSERT_EQ(images.size(), 3U);
-  EXPECT_EQ(images[0].pixelformat, kGrey);
+  EXPECT_EQ(images[0].pixelformat, lcm_io::kGrey);
   EXPECT_EQ(images[0].row_stride, kWidth);
   const cv::Mat first = pattern(1);
   EXPECT_EQ(images[0].data, std::vector<std::uint8_t>(first.datastart, first.dataend));
-  EXPECT_EQ(images[1].pixelformat, kMjpg);
+  EXPECT_EQ(images[1].pixelformat, lcm_io::kMjpg);
   EXPECT_EQ(images[1].data, common::readFile(dir() / "rgb/b.jpg"));
   EXPECT_EQ(images[1].width, kWidth);
   EXPECT_EQ(images[1].row_stride, 0);

@@ -94,7 +94,7 @@ bot_core::image_t pictureMessage(const Bytes& encoded, const std::string& name, 
   message.width = grey.cols;
   message.height = grey.rows;
   message.row_stride = 0;
-  message.pixelformat = kMjpg;
+  message.pixelformat = lcm_io::kMjpg;
   message.size = static_cast<std::int32_t>(encoded.size());
   message.data = encoded;
   message.nmetadata = 0;
@@ -109,7 +109,7 @@ bot_core::image_t greyMessage(const cv::Mat& grey, common::Utime utime) {
   message.width = packed.cols;
   message.height = packed.rows;
   message.row_stride = packed.cols;
-  message.pixelformat = kGrey;
+  message.pixelformat = lcm_io::kGrey;
   message.data.assign(packed.datastart, packed.dataend);
   message.size = static_cast<std::int32_t>(message.data.size());
   message.nmetadata = 0;
@@ -117,10 +117,10 @@ bot_core::image_t greyMessage(const cv::Mat& grey, common::Utime utime) {
 }
 
 PictureFileContent pictureFileContent(const bot_core::image_t& message) {
-  if (message.pixelformat == kMjpg) {
+  if (message.pixelformat == lcm_io::kMjpg) {
     return {message.data, ".jpg"};
   }
-  if (message.pixelformat != kGrey) {
+  if (message.pixelformat != lcm_io::kGrey) {
     throw common::Error(fmt::format("pixel format {:#x} is neither GREY nor MJPG", message.pixelformat));
   }
   if (message.width <= 0 || message.height <= 0 || message.row_stride < message.width ||

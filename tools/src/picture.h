@@ -6,15 +6,9 @@
 
 #include "common/time.h"
 #include "lcm_io/codec.h"
+#include "lcm_io/pixel_format.h"
 
 namespace rubble::tools {
-
-/// V4L2 FourCC as it stands in image_t.pixelformat.
-constexpr std::int32_t fourCc(const char (&code)[5]) {
-  return code[0] | code[1] << 8 | code[2] << 16 | code[3] << 24;
-}
-inline constexpr std::int32_t kGrey = fourCc("GREY");
-inline constexpr std::int32_t kMjpg = fourCc("MJPG");
 
 /// The picture of an encoded file: a JPEG's bytes untouched as MJPG; PNG and whatever else OpenCV reads
 /// decoded to GREY, lossless but for colour. Throws Error naming `name` for bytes that are no whole picture.

@@ -2,6 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
 
 #include "common/config.h"
 #include "common/robot_config.h"
@@ -9,24 +12,30 @@
 namespace rubble::arena_sim {
 
 struct MissionOptions {
+  /// "flat", "rescue" or "tour".
+  std::string kind = "flat";
   std::uint64_t seed = 1;
-  /// Length of the mission, at least kShortestMission; the robot is back at its start by then.
-  double duration_s = 75.0;
+  /// Longest drive; the robot is back at its start by then. Empty: as long as this kind usually takes.
+  std::optional<double> duration_s;
+  bool with_camera = true;
   bool with_odometry = true;
+  /// Where finished missions are kept, to be copied when they are asked for again; empty: nowhere.
+  std::filesystem::path cache;
+  /// Told the share done, 0 .. 1.
+  std::function<void(double)> progress;
 };
 
 inline constexpr double kShortestMission = 20.0;
 
 /// The arena's robot where the configuration does not say otherwise: that of config/robot.yaml, with a
-/// UTM-30LX (270 of 360 degrees in 25 ms).
+/// UTM-30LX (270 of 360 degrees in 25 ms) and a wide-angle camera.
 common::RobotConfig arenaRobot();
 
-/// The mission `flat`: rooms on one level floor, stabiliser at zero. Into the folder `out`, created when
-/// missing, go mission.lcm (SCAN, STABILIZER, ODOMETRY, GROUND_TRUTH), robot.yaml (the calibration of this
-/// robot), truth/body.tum and truth/lidar.tum (at scan times, in world), truth/map_0.pgm and .yaml, and
-/// top_view.png. Sections `robot` and `arena_sim` of the configuration count. The same arguments give the
-/// same bytes. Throws common::Error.
-void writeFlatMission(const MissionOptions& options, const common::Config& config,
-                      const std::filesystem::path& out);
+/// A recorded mission; the plate under the LiDAR follows a controller on late, noisy truth. Into the folder
+/// `out`, created when missing, go mission.lcm (the sources and GROUND_TRUTH), robot.yaml (the calibration of
+/// this robot), arena_sim.yaml (the scenario), truth/ (body.tum, camera.tum, lidar.tum, states.csv, map_0.yaml,
+/// objects.csv), preview.png and top_view.png. Sections `robot` and `arena_sim` of the configuration count.
+/// The same arguments give the same bytes. Throws common::Error.
+void writeMission(const MissionOptions& options, const common::Config& config, const std::filesystem::path& out);
 
 }  // namespace rubble::arena_sim

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +29,21 @@ class ConfigSection {
                const char* doc);
   /// A nested mapping; valid as long as this section.
   ConfigSection& section(const char* key, const char* doc);
+  /// A list of mappings, each read by visit(ConfigSection&, Item&). A later source replaces the whole list.
+  template <typename Item>
+  void sections(const char* key, std::vector<Item>& items, const char* doc) {
+    if (const auto sources = readList(key)) {
+      items.assign(sources->size(), Item());
+      for (std::size_t i = 0; i < items.size(); ++i) {
+        visit(addListItem(key, i, (*sources)[i]), items[i]);
+      }
+    } else {
+      for (std::size_t i = 0; i < items.size(); ++i) {
+        visit(addListItem(key, i, std::nullopt), items[i]);
+      }
+    }
+    documentList(key, items.size(), doc);
+  }
 
  private:
   friend class Config;
@@ -44,6 +60,10 @@ class ConfigSection {
   T as(const Source& source, const YAML::Node& node, const char* key, const char* expected) const;
   template <typename Apply>
   void apply(const char* key, const Apply& apply);
+  /// The mappings of the last source that gives the list.
+  std::optional<std::vector<Source>> readList(const char* key);
+  ConfigSection& addListItem(const char* key, std::size_t index, const std::optional<Source>& source);
+  void documentList(const char* key, std::size_t items, const char* doc);
   void document(const char* key, const std::string& value, const std::string& comment);
   void rejectUnknownKeys() const;
   std::string description() const;
@@ -53,6 +73,7 @@ class ConfigSection {
   std::vector<Source> sources_;
   std::vector<std::string> known_;
   std::list<ConfigSection> children_;
+  bool is_list_item_ = false;
   /// Lines of YAML with a comment, or an index into children_ where the text is empty.
   std::vector<std::string> lines_;
 };
