@@ -1,5 +1,6 @@
-// What feature-based SLAM finds in pictures: corners, gradients, sharpness, matches to the next picture, and an
-// optical-flow tracker with an essential matrix as a stand-in for visual SLAM. One Markdown row per source.
+// What feature-based SLAM finds in pictures: corners, gradients, sharpness, matches to the next picture, and
+// an optical-flow tracker with an essential matrix as a stand-in for visual SLAM. One Markdown row per
+// source.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -160,15 +161,17 @@ class Statistics {
     for (const double n : gradients_) {
       histogram += fmt::format("{}{:.0f}", histogram.empty() ? "" : " / ", 100.0 * n / pixels);
     }
-    return fmt::format("| {} | {} | {} | {} | {} | {} | {} |", name, corners_.size(), spread(corners_, 0), histogram,
-                       spread(sharpness_, 2), matched_.empty() ? "-" : spread(matched_, 2),
+    return fmt::format("| {} | {} | {} | {} | {} | {} | {} |", name, corners_.size(), spread(corners_, 0),
+                       histogram, spread(sharpness_, 2), matched_.empty() ? "-" : spread(matched_, 2),
                        pairs_ == 0 ? "-" : fmt::format("{:.3f}", static_cast<double>(tracked_) / pairs_));
   }
 
  private:
   static std::string spread(std::vector<double> values, int digits) {
     std::sort(values.begin(), values.end());
-    const auto at = [&](double share) { return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))]; };
+    const auto at = [&](double share) {
+      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    };
     return fmt::format("{:.{}f} ({:.{}f} .. {:.{}f})", at(0.5), digits, at(0.1), digits, at(0.9), digits);
   }
 
@@ -281,12 +284,14 @@ class Statistics {
 int main(int argc, char** argv) {
   CLI::App app("What feature-based SLAM finds in pictures, one Markdown row per source");
   std::vector<std::string> paths;
-  app.add_option("SOURCE", paths, "Logs with CAMERA, folders in TUM layout, or folders of photos")->required();
+  app.add_option("SOURCE", paths, "Logs with CAMERA, folders in TUM layout, or folders of photos")
+      ->required();
   app.footer("Example:\n  picture_statistics mission/mission.lcm photos/\n");
   CLI11_PARSE(app, argc, argv);
   try {
     fmt::print(
-        "| source | pictures | FAST corners | gradient % < 1 / < 3 / < 8 / < 20 / < 50 / more | sharpness | ORB "
+        "| source | pictures | FAST corners | gradient % < 1 / < 3 / < 8 / < 20 / < 50 / more | sharpness | "
+        "ORB "
         "matched to next | pairs tracked |\n|---|---|---|---|---|---|---|\n");
     for (const std::string& path : paths) {
       const Source source = open(path);

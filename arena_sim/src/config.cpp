@@ -10,7 +10,8 @@ void visit(common::ConfigSection& section, ArenaSimConfig& config) {
                  "size of the pictures as a share of robot.camera's; the lens is scaled along");
   visit(section.section("lidar", "planar LiDAR; its mount and sweep time are in `robot`"), config.lidar);
   visit(section.section("stabilizer", "the two servos under the LiDAR"), config.stabilizer);
-  visit(section.section("plate_controller", "levels the plate where no fusion runs"), config.plate_controller);
+  visit(section.section("plate_controller", "levels the plate where no fusion runs"),
+        config.plate_controller);
   visit(section.section("odometry", "tracks that slip"), config.odometry);
   visit(section.section("truth", "when the LiDAR plane is usable"), config.truth);
   section.sections("disturbances", config.disturbances, "what goes wrong, on script");

@@ -14,9 +14,7 @@ namespace rubble::arena_sim {
 
 namespace {
 
-bool isActive(const Disturbance& d, double seconds) {
-  return seconds >= d.at && seconds < d.at + d.duration;
-}
+bool isActive(const Disturbance& d, double seconds) { return seconds >= d.at && seconds < d.at + d.duration; }
 
 bool concerns(const Disturbance& d, std::string_view kind, std::string_view channel, double seconds) {
   return d.kind == kind && d.channel == channel && isActive(d, seconds);
@@ -25,16 +23,18 @@ bool concerns(const Disturbance& d, std::string_view kind, std::string_view chan
 }  // namespace
 
 void visit(common::ConfigSection& section, Disturbance& disturbance) {
-  section.choice("kind", disturbance.kind,
-                 {"blackout", "occlusion", "whip_turn", "kidnap", "drop", "double", "clock_offset"},
-                 "all lamps out; something before the lens (share); a fast turn there and back (angle); carried "
-                 "on along the way in no time (duration: what is left out of the drive); messages lost (channel, "
-                 "share), twice (channel, share), or with a wrong stamp (channel, offset)");
+  section.choice(
+      "kind", disturbance.kind,
+      {"blackout", "occlusion", "whip_turn", "kidnap", "drop", "double", "clock_offset"},
+      "all lamps out; something before the lens (share); a fast turn there and back (angle); carried "
+      "on along the way in no time (duration: what is left out of the drive); messages lost (channel, "
+      "share), twice (channel, share), or with a wrong stamp (channel, offset)");
   section.number("at", disturbance.at, "s", 0.0, 1e5, "from the mission's start");
   section.number("duration", disturbance.duration, "s", 0.0, 1e5, "how long");
   section.choice("channel", disturbance.channel, {"CAMERA", "SCAN", "STABILIZER", "ODOMETRY"},
                  "of drop (a sensor that is off loses all), double, clock_offset");
-  section.number("share", disturbance.share, "", 0.0, 1.0, "of messages lost or doubled; of the picture covered");
+  section.number("share", disturbance.share, "", 0.0, 1.0,
+                 "of messages lost or doubled; of the picture covered");
   section.number("angle", disturbance.angle, "rad", -6.3, 6.3, "of a whip turn, positive to the left");
   section.number("offset", disturbance.offset, "s", -1.0, 1.0, "added to the stamps");
 }
@@ -43,8 +43,9 @@ Disturbances::Disturbances(std::vector<Disturbance> list, double mission_end, st
     : list_(std::move(list)), random_(random) {
   for (const Disturbance& d : list_) {
     if (d.at >= mission_end) {
-      throw common::Error(fmt::format("arena_sim.disturbances: `{}` at {} s, but the mission ends after {:.1f} s",
-                                      d.kind, d.at, mission_end));
+      throw common::Error(
+          fmt::format("arena_sim.disturbances: `{}` at {} s, but the mission ends after {:.1f} s", d.kind,
+                      d.at, mission_end));
     }
   }
 }
@@ -92,7 +93,8 @@ void Disturbances::occlude(double seconds, cv::Mat& bgr) const {
       const float covered = cover.at<float>(at[0], at[1]);
       const cv::Vec3f rag(28.0F, 30.0F, 34.0F);
       for (int c = 0; c < 3; ++c) {
-        pixel[c] = cv::saturate_cast<std::uint8_t>((1.0F - covered) * static_cast<float>(pixel[c]) + covered * rag[c]);
+        pixel[c] = cv::saturate_cast<std::uint8_t>((1.0F - covered) * static_cast<float>(pixel[c]) +
+                                                   covered * rag[c]);
       }
     });
   }

@@ -125,10 +125,9 @@ void writeMission(const MissionOptions& options, const common::Config& config, c
   const std::string scenario_yaml = config.describe<ArenaSimConfig>("arena_sim");
   createFolder(out);
 
-  const MissionCache cache(options.cache,
-                           fmt::format("{} {} {} {} {} {}\n{}{}", kOutputVersion, options.kind, options.seed,
-                                       duration_s, options.with_camera, options.with_odometry, robot_yaml,
-                                       scenario_yaml));
+  const MissionCache cache(options.cache, fmt::format("{} {} {} {} {} {}\n{}{}", kOutputVersion, options.kind,
+                                                      options.seed, duration_s, options.with_camera,
+                                                      options.with_odometry, robot_yaml, scenario_yaml));
   if (!options.cache.empty() && cache.fetch(out)) {
     return;
   }

@@ -45,13 +45,16 @@ Simulation::Simulation(const World& world, const Motion& motion, const ArenaSimC
       scene_(std::make_shared<Scene>(world.scene)),
       tracer_(std::make_shared<RayTracer>(*scene_)),
       stabilizer_(config.stabilizer, randomStream(seed, kStabilizerStream)),
-      lidar_(config.lidar, robot.lidar_sweep_time_s, *scene_, *tracer_,
-             [this](double t) { return T_world_lidar(t); }, randomStream(seed, kLidarStream)),
-      odometry_(config.odometry, [this](double t) { return motion_.at(t); }, randomStream(seed, kOdometryStream)),
+      lidar_(
+          config.lidar, robot.lidar_sweep_time_s, *scene_, *tracer_,
+          [this](double t) { return T_world_lidar(t); }, randomStream(seed, kLidarStream)),
+      odometry_(
+          config.odometry, [this](double t) { return motion_.at(t); }, randomStream(seed, kOdometryStream)),
       truth_(config.truth, world, *tracer_, robot.lidarHeight()) {
   const auto add = [this](double rate, double first, double delay_s,
                           void (Simulation::*report)(double, common::Utime)) {
-    sources_.push_back({rate, first, delay_s, [this, report](double t, common::Utime r) { (this->*report)(t, r); }});
+    sources_.push_back(
+        {rate, first, delay_s, [this, report](double t, common::Utime r) { (this->*report)(t, r); }});
   };
   add(config.stabilizer.rate, 0.0, 0.0, &Simulation::reportStabilizer);
   add(config.lidar.rate, 0.0, robot.lidar_sweep_time_s, &Simulation::reportScan);
@@ -82,7 +85,8 @@ bool Simulation::step() {
 }
 
 template <typename Message>
-void Simulation::publish(common::Utime received, const char* channel, double seconds, const Message& message) {
+void Simulation::publish(common::Utime received, const char* channel, double seconds,
+                         const Message& message) {
   for (int i = disturbances_.copies(channel, seconds); i > 0; --i) {
     publish_(received, channel, lcm_io::encode(message));
   }
@@ -120,7 +124,7 @@ void Simulation::reportCameraInfo(double seconds, common::Utime received) {
 
 void Simulation::reportPicture(double seconds, common::Utime received) {
   CameraPicture picture = camera_->take(
-      seconds, [this](double t) { return T_world_camera(t); });
+      seconds, [this](double t) { return T_world_camera(t); }, disturbances_.isBlackout(seconds) ? 0.0 : 1.0);
   disturbances_.occlude(seconds, picture.bgr);
   if (watch_) {
     watch_(seconds, picture.bgr);
@@ -131,7 +135,8 @@ void Simulation::reportPicture(double seconds, common::Utime received) {
   image.height = picture.bgr.rows;
   image.row_stride = 0;
   image.pixelformat = lcm_io::kMjpg;
-  RUBBLE_CHECK(cv::imencode(".jpg", picture.bgr, image.data, {cv::IMWRITE_JPEG_QUALITY, config_.camera.jpeg_quality}));
+  RUBBLE_CHECK(
+      cv::imencode(".jpg", picture.bgr, image.data, {cv::IMWRITE_JPEG_QUALITY, config_.camera.jpeg_quality}));
   image.size = static_cast<std::int32_t>(image.data.size());
   const std::string exposure = fmt::format("{}", std::lround(picture.exposure_s * 1e6));
   image.metadata.resize(1);

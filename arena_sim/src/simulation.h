@@ -34,7 +34,8 @@ class Simulation {
 
   /// `watch` sees every picture as it goes out. Throws common::Error for what cannot be simulated.
   Simulation(const World& world, const Motion& motion, const ArenaSimConfig& config,
-             const common::RobotConfig& robot, std::uint64_t seed, Sensors sensors, Publish publish, Watch watch);
+             const common::RobotConfig& robot, std::uint64_t seed, Sensors sensors, Publish publish,
+             Watch watch);
 
   /// The next report in the order of arrival; false when the drive is over.
   bool step();
@@ -69,7 +70,8 @@ class Simulation {
   void reportScan(double seconds, common::Utime received);
   void reportStabilizer(double seconds, common::Utime received);
   void reportOdometry(double seconds, common::Utime received);
-  void reportTruth(double seconds, common::Utime received, const char* frame, const common::Pose3& T_world_frame);
+  void reportTruth(double seconds, common::Utime received, const char* frame,
+                   const common::Pose3& T_world_frame);
 
   const ArenaSimConfig config_;
   const common::RobotConfig robot_;

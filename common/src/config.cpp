@@ -204,8 +204,8 @@ ConfigSection& ConfigSection::section(const char* key, const char* doc) {
 std::optional<std::vector<ConfigSection::Source>> ConfigSection::readList(const char* key) {
   std::optional<std::vector<Source>> mappings;
   apply(key, [&](const Source& source, const YAML::Node& node) {
-    const bool is_list =
-        node.IsSequence() && std::all_of(node.begin(), node.end(), [](const auto& item) { return item.IsMap(); });
+    const bool is_list = node.IsSequence() &&
+                         std::all_of(node.begin(), node.end(), [](const auto& item) { return item.IsMap(); });
     if (!is_list) {
       fail(source, key, "must be a list of mappings");
     }

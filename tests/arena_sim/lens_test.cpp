@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "error_text.h"
+#include "support/error_text.h"
 
 namespace rubble::arena_sim {
 namespace {

@@ -104,6 +104,7 @@ TEST(Mesh, PolygonCoversItsArea) {
   // A regular hexagon on a slant.
   const Eigen::Matrix3d R = Eigen::AngleAxisd(1.1, Vector3d(0.3, 1.0, -0.4).normalized()).toRotationMatrix();
   std::vector<Vector3d> corners;
+  corners.reserve(6);
   for (int i = 0; i < 6; ++i) {
     corners.emplace_back(R * (0.5 * Vector3d(std::cos(M_PI * i / 3.0), std::sin(M_PI * i / 3.0), 0.0)));
   }

@@ -2,14 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <bot_core/image_t.hpp>
 #include <bot_core/planar_lidar_t.hpp>
 #include <cmath>
 #include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <rubble/camera_info_t.hpp>
 #include <rubble/ground_truth_t.hpp>
+#include <set>
 
-#include "arena.h"
 #include "common/files.h"
-#include "common/robot_config.h"
 #include "common/trajectory.h"
 #include "lcm_io/channels.h"
 #include "lcm_io/log_file.h"
@@ -19,12 +21,12 @@
 namespace rubble::arena_sim {
 namespace {
 
-using common::Pose2;
-
 constexpr double kDuration = 20.0;
 
-std::map<std::string, std::vector<lcm_io::LogEvent>> readByChannel(const std::filesystem::path& log) {
-  std::map<std::string, std::vector<lcm_io::LogEvent>> channels;
+using Channels = std::map<std::string, std::vector<lcm_io::LogEvent>>;
+
+Channels readByChannel(const std::filesystem::path& log) {
+  Channels channels;
   lcm_io::LogReader reader(log);
   common::Utime last = 0;
   while (auto event = reader.next()) {
@@ -35,20 +37,30 @@ std::map<std::string, std::vector<lcm_io::LogEvent>> readByChannel(const std::fi
   return channels;
 }
 
+/// Small and coarse, so that it is quick.
 class MissionTest : public testing::Test {
  protected:
-  std::filesystem::path write(std::uint64_t seed, bool with_odometry = true) {
-    const auto out = folder_.path() / ("mission_" + std::to_string(count_++));
-    writeFlatMission({seed, kDuration, with_odometry}, config(), out);
-    return out;
+  static MissionOptions options(std::uint64_t seed, bool with_camera = false) {
+    MissionOptions options;
+    options.seed = seed;
+    options.duration_s = kDuration;
+    options.with_camera = with_camera;
+    return options;
   }
 
-  /// Not the default robot's.
-  static common::Config config() {
+  std::filesystem::path write(const MissionOptions& options, const std::vector<std::string>& more = {}) {
     common::Config config;
-    config.addOverride("robot.lidar.sweep_time_s=0.02");
-    config.addOverride("robot.plate.translation=[0.1, 0.05, 0.25]");
-    return config;
+    for (const char* assignment :
+         {"arena_sim.picture_scale=0.1", "arena_sim.camera.samples=1", "robot.camera.rate=3",
+          "arena_sim.camera.texture_budget=0.5", "arena_sim.lidar.beams=271", "arena_sim.lidar.rate=20"}) {
+      config.addOverride(assignment);
+    }
+    for (const std::string& assignment : more) {
+      config.addOverride(assignment);
+    }
+    const auto out = folder_.path() / ("mission_" + std::to_string(count_++));
+    writeMission(options, config, out);
+    return out;
   }
 
   test::TempDir folder_;
@@ -56,24 +68,30 @@ class MissionTest : public testing::Test {
 };
 
 TEST_F(MissionTest, SameSeedSameBytesOtherSeedOtherBytes) {
-  const auto one = write(4);
-  const auto again = write(4);
-  const auto other = write(5);
-  for (const char* file : {"mission.lcm", "truth/body.tum", "truth/lidar.tum", "truth/map_0.pgm",
-                           "truth/map_0.yaml", "top_view.png"}) {
+  const auto one = write(options(4, true));
+  const auto again = write(options(4, true));
+  const auto other = write(options(5));
+  for (const char* file : {"mission.lcm", "robot.yaml", "arena_sim.yaml", "truth/body.tum",
+                           "truth/camera.tum", "truth/lidar.tum", "truth/states.csv", "truth/objects.csv",
+                           "truth/map_0.pgm", "truth/map_0.yaml", "top_view.png", "preview.png"}) {
     EXPECT_EQ(common::readFile(one / file), common::readFile(again / file)) << file;
   }
-  EXPECT_NE(common::readFile(one / "mission.lcm"), common::readFile(other / "mission.lcm"));
+  EXPECT_NE(common::readFile(one / "truth/objects.csv"), common::readFile(other / "truth/objects.csv"));
   EXPECT_NE(common::readFile(one / "truth/map_0.pgm"), common::readFile(other / "truth/map_0.pgm"));
 }
 
-TEST_F(MissionTest, ChannelsComeAtTheirRates) {
-  const auto channels = readByChannel(write(1) / "mission.lcm");
-  ASSERT_EQ(channels.size(), 4U);
-  EXPECT_NEAR(static_cast<double>(channels.at("SCAN").size()), 40.0 * kDuration, 1.0);
-  EXPECT_NEAR(static_cast<double>(channels.at("STABILIZER").size()), 50.0 * kDuration, 1.0);
-  EXPECT_NEAR(static_cast<double>(channels.at("ODOMETRY").size()), 50.0 * kDuration, 1.0);
-  EXPECT_EQ(channels.at("GROUND_TRUTH").size(), 2 * channels.at("SCAN").size());
+TEST_F(MissionTest, ChannelsComeAtTheirRatesWithTruthForEachReport) {
+  const auto out = write(options(1, true));
+  const Channels channels = readByChannel(out / "mission.lcm");
+  const auto count = [&](const char* channel) { return static_cast<double>(channels.at(channel).size()); };
+  const double seconds = count("STABILIZER") / 100.0;
+  EXPECT_GT(seconds, 0.6 * kDuration);
+  EXPECT_LE(seconds, kDuration);
+  EXPECT_NEAR(count("SCAN"), 20.0 * seconds, 1.5);
+  EXPECT_NEAR(count("ODOMETRY"), 50.0 * seconds, 1.5);
+  EXPECT_NEAR(count("CAMERA"), 3.0 * seconds, 1.5);
+  EXPECT_NEAR(count("CAMERA_INFO"), seconds, 1.5);
+  EXPECT_EQ(count("GROUND_TRUTH"), 2 * (count("SCAN") + count("CAMERA")));
   for (const auto& [channel, events] : channels) {
     const lcm_io::ChannelInfo* info = lcm_io::findChannel(channel);
     ASSERT_NE(info, nullptr) << channel;
@@ -81,10 +99,25 @@ TEST_F(MissionTest, ChannelsComeAtTheirRates) {
   }
 }
 
-TEST_F(MissionTest, WithoutOdometryAllElseIsTheSame) {
-  auto with = readByChannel(write(1) / "mission.lcm");
-  const auto without = readByChannel(write(1, false) / "mission.lcm");
+TEST_F(MissionTest, PicturesAreWhatCameraInfoSays) {
+  const Channels channels = readByChannel(write(options(1, true)) / "mission.lcm");
+  const auto info = lcm_io::decode<rubble::camera_info_t>(channels.at("CAMERA_INFO").front().data);
+  EXPECT_EQ(info.width, 64);
+  EXPECT_EQ(info.height, 48);
+  EXPECT_NEAR(info.cx, 31.5, 1e-9) << "the middle stays the middle";
+  const auto image = lcm_io::decode<bot_core::image_t>(channels.at("CAMERA").front().data);
+  EXPECT_EQ(cv::imdecode(image.data, cv::IMREAD_COLOR).size(), cv::Size(64, 48));
+  ASSERT_EQ(image.nmetadata, 1);
+  EXPECT_EQ(image.metadata[0].key, "exposure_us");
+}
+
+TEST_F(MissionTest, LeavingASensorOutChangesNoOther) {
+  Channels with = readByChannel(write(options(1)) / "mission.lcm");
+  MissionOptions without_odometry = options(1);
+  without_odometry.with_odometry = false;
+  const Channels without = readByChannel(write(without_odometry) / "mission.lcm");
   EXPECT_FALSE(without.contains("ODOMETRY"));
+  EXPECT_FALSE(with.contains("CAMERA"));
   with.erase("ODOMETRY");
   ASSERT_EQ(with.size(), without.size());
   for (const auto& [channel, events] : without) {
@@ -95,83 +128,69 @@ TEST_F(MissionTest, WithoutOdometryAllElseIsTheSame) {
   }
 }
 
-/// T_world_lidar between two true poses.
-Pose2 between(const common::StampedPose& a, const common::StampedPose& b, common::Utime utime) {
-  const double share = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
-  const auto yawOf = [](const common::StampedPose& p) {
-    return common::rpyFromRotation(p.T_a_b.linear()).yaw;
-  };
-  const Eigen::Vector3d p = a.T_a_b.translation() + share * (b.T_a_b.translation() - a.T_a_b.translation());
-  return {p.x(), p.y(), yawOf(a) + share * common::wrapAngle(yawOf(b) - yawOf(a))};
-}
-
-TEST_F(MissionTest, ScansProjectedWithTheTruthLieOnTheWalls) {
-  const auto out = write(2);
-  const Arena arena = makeArena(2);
-  const auto truth = common::readTum(out / "truth/lidar.tum");
-  const auto scans = readByChannel(out / "mission.lcm").at("SCAN");
-  ASSERT_EQ(truth.size(), scans.size());
-  const double sweep_us = config().read<common::RobotConfig>("robot", arenaRobot()).lidar_sweep_time_s * 1e6;
-  double squares = 0.0;
-  int n = 0;
-  for (std::size_t k = 0; k + 1 < scans.size(); k += 20) {
-    const auto scan = lcm_io::decode<bot_core::planar_lidar_t>(scans[k].data);
-    ASSERT_EQ(scan.nranges, 1081);
-    ASSERT_EQ(scan.utime, truth[k].utime);
-    for (std::size_t i = 0; i < scan.ranges.size(); i += 10) {
-      const auto range = static_cast<double>(scan.ranges[i]);
-      if (!std::isfinite(range)) {
-        continue;
-      }
-      const auto utime = scan.utime + std::llround(sweep_us * static_cast<double>(i) / scan.nranges);
-      const double angle =
-          static_cast<double>(scan.rad0) + static_cast<double>(i) * static_cast<double>(scan.radstep);
-      const Eigen::Vector2d p_world = between(truth[k], truth[k + 1], utime) *
-                                      Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle));
-      double off = 1e9;
-      for (const Segment& segment : arena.segments) {
-        off = std::min(off, distanceTo(segment, p_world));
-      }
-      ASSERT_LT(off, 0.06);
-      squares += off * off;
-      ++n;
-    }
-  }
-  EXPECT_LT(std::sqrt(squares / n), 0.011);
-}
-
 TEST_F(MissionTest, TruthInTheLogIsTheTruthInTheFiles) {
-  const auto out = write(3);
-  const auto body = common::readTum(out / "truth/body.tum");
-  const auto lidar = common::readTum(out / "truth/lidar.tum");
-  std::map<std::string, std::size_t> seen;
-  const auto channels = readByChannel(out / "mission.lcm");
+  const auto out = write(options(3, true));
+  std::map<std::string, common::Trajectory> files;
+  std::map<std::string, std::set<common::Utime>> seen;
+  for (const char* frame : {"body", "camera", "lidar"}) {
+    files[frame] = common::readTum(out / "truth" / (std::string(frame) + ".tum"));
+  }
+  const Channels channels = readByChannel(out / "mission.lcm");
   for (const auto& event : channels.at("GROUND_TRUTH")) {
     const auto truth = lcm_io::decode<rubble::ground_truth_t>(event.data);
-    const auto& file = truth.frame == "body" ? body : lidar;
-    const common::StampedPose& pose = file.at(seen[truth.frame]++);
-    ASSERT_EQ(pose.utime, truth.utime);
-    ASSERT_NEAR(pose.T_a_b.translation().x(), truth.p_world_frame[0], 1e-8);
-    ASSERT_NEAR(pose.T_a_b.translation().z(), truth.p_world_frame[2], 1e-8);
+    const common::Trajectory& file = files.at(truth.frame);
+    const auto pose = std::find_if(file.begin(), file.end(),
+                                   [&](const common::StampedPose& p) { return p.utime == truth.utime; });
+    ASSERT_NE(pose, file.end()) << truth.frame;
+    ASSERT_NEAR(pose->T_a_b.translation().x(), truth.p_world_frame[0], 1e-8);
+    ASSERT_NEAR(pose->T_a_b.translation().z(), truth.p_world_frame[2], 1e-8);
+    seen[truth.frame].insert(truth.utime);
   }
-  EXPECT_EQ(seen, (std::map<std::string, std::size_t>{{"body", body.size()}, {"lidar", lidar.size()}}));
-  EXPECT_LT((body.back().T_a_b.translation() - body.front().T_a_b.translation()).norm(), 0.05);
-  EXPECT_NEAR(lidar.front().T_a_b.translation().z(), 0.30, 1e-9);
+  for (const auto& [frame, file] : files) {
+    EXPECT_EQ(seen[frame].size(), file.size()) << frame;
+  }
+  EXPECT_LT((files["body"].back().T_a_b.translation() - files["body"].front().T_a_b.translation()).norm(),
+            0.1);
+  EXPECT_NEAR(files["lidar"].front().T_a_b.translation().z(), 0.30, 0.005);
+}
+
+TEST_F(MissionTest, DisturbancesReachTheLog) {
+  const Channels channels = readByChannel(
+      write(options(1), {"arena_sim.disturbances=[{kind: drop, channel: SCAN, at: 2, duration: 3}, "
+                         "{kind: clock_offset, channel: ODOMETRY, at: 0, duration: 100, offset: 0.2}]"}) /
+      "mission.lcm");
+  double longest_gap = 0.0;
+  const auto& scans = channels.at("SCAN");
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    longest_gap = std::max(longest_gap, common::secondsFromUtime(scans[i].utime - scans[i - 1].utime));
+  }
+  EXPECT_NEAR(longest_gap, 3.0, 0.11);
+}
+
+TEST_F(MissionTest, ACachedMissionIsTheSame) {
+  MissionOptions cached = options(2);
+  cached.cache = folder_.path() / "cache";
+  const auto made = write(cached);
+  const auto kept = write(cached);
+  EXPECT_EQ(common::readFile(made / "mission.lcm"), common::readFile(kept / "mission.lcm"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cached.cache), {}), 1);
+  write(cached, {"arena_sim.lidar.range_sigma=0.02"});
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cached.cache), {}), 2);
 }
 
 TEST_F(MissionTest, BadInputIsNamed) {
-  const auto errorOf = [&](const MissionOptions& options, const char* assignment,
-                           const std::filesystem::path& out) {
-    common::Config config;
-    if (assignment != nullptr) {
-      config.addOverride(assignment);
-    }
-    return test::errorOf([&] { writeFlatMission(options, config, out); });
+  const auto errorOf = [&](MissionOptions options, const std::string& assignment) {
+    return test::errorOf([&] { write(options, {assignment}); });
   };
-  const auto out = folder_.path() / "out";
-  EXPECT_NE(errorOf({1, 5.0}, nullptr, out).find("too short"), std::string::npos);
-  EXPECT_NE(errorOf({}, nullptr, "/proc/none").find("/proc/none"), std::string::npos);
-  EXPECT_NE(errorOf({}, "robot.lidar.rpy=[0.1, 0, 0]", out).find("robot.lidar.rpy"), std::string::npos);
+  MissionOptions soon = options(1);
+  soon.duration_s = 5.0;
+  EXPECT_NE(errorOf(soon, "arena_sim.picture_scale=1").find("too short"), std::string::npos);
+  MissionOptions unknown = options(1);
+  unknown.kind = "race";
+  EXPECT_NE(errorOf(unknown, "arena_sim.picture_scale=1").find("`race`"), std::string::npos);
+  EXPECT_NE(errorOf(options(1), "arena_sim.world.width=-3").find("arena_sim.world.width"), std::string::npos);
+  EXPECT_NE(errorOf(options(1), "arena_sim.wrld.width=3").find("unknown key `wrld`"), std::string::npos);
+  EXPECT_NE(test::errorOf([] { writeMission({}, {}, "/proc/none"); }).find("/proc/none"), std::string::npos);
 }
 
 }  // namespace

@@ -1,40 +1,47 @@
-#include "motion.h"
+#include "motion/motion.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "motion/driver.h"
+
 namespace rubble::arena_sim {
 namespace {
 
 using common::Pose2;
 
-Motion zigzag(const MotionLimits& limits) {
-  Driver driver(limits);
-  driver.stand(0.5);
-  driver.follow({{0.0, 0.0}, {2.0, 0.5}, {3.0, 2.0}, {0.5, 2.0}});
-  driver.stand(0.5);
-  driver.follow({{0.5, 2.0}, {0.0, 0.0}});
-  driver.turnTo(0.0);
-  return driver.motion();
+MotionConfig withoutSlip() {
+  MotionConfig config;
+  config.slip = 0.0;
+  return config;
 }
 
-TEST(Motion, KeepsItsLimits) {
-  const MotionLimits limits;
-  const Motion motion = zigzag(limits);
-  const auto& samples = motion.samples();
+std::vector<Pose2> zigzag(const MotionConfig& config) {
+  Driver driver(config, {}, 1);
+  driver.stand(0.5);
+  driver.follow({{0.0, 0.0}, {2.0, 0.5}, {3.0, 2.0}, {0.5, 2.0}}, config.cruise_speed);
+  driver.stand(0.5);
+  driver.follow({{0.5, 2.0}, {0.0, 0.0}}, config.cruise_speed);
+  driver.turnTo(0.0);
+  return driver.poses();
+}
+
+TEST(Driver, KeepsItsLimits) {
+  const MotionConfig config = withoutSlip();
+  const std::vector<Pose2> poses = zigzag(config);
   double last_speed = 0.0;
   double last_rate = 0.0;
   double fastest = 0.0;
   double fastest_turn = 0.0;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const Pose2& a = samples[i - 1];
-    const Pose2& b = samples[i];
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Pose2& a = poses[i - 1];
+    const Pose2& b = poses[i];
     const double speed = std::hypot(b.x - a.x, b.y - a.y) / Motion::kStep;
     const double rate = (b.yaw - a.yaw) / Motion::kStep;
-    ASSERT_LE(std::abs(speed - last_speed), limits.acceleration * Motion::kStep + 1e-9);
-    ASSERT_LE(std::abs(rate - last_rate), limits.turn_acceleration * Motion::kStep + 1e-9);
+    ASSERT_LE(std::abs(speed - last_speed), config.acceleration * Motion::kStep + 1e-9);
+    ASSERT_LE(std::abs(rate - last_rate), config.turn_acceleration * Motion::kStep + 1e-9);
     // Tracks roll, they do not shift sideways.
     const double heading = 0.5 * (a.yaw + b.yaw);
     ASSERT_NEAR((b.y - a.y) * std::cos(heading) - (b.x - a.x) * std::sin(heading), 0.0, 1e-12);
@@ -43,47 +50,75 @@ TEST(Motion, KeepsItsLimits) {
     last_speed = speed;
     last_rate = rate;
   }
-  EXPECT_LE(fastest, limits.cruise_speed + 1e-9);
-  EXPECT_GT(fastest, 0.9 * limits.cruise_speed);
-  EXPECT_LE(fastest_turn, limits.turn_rate + 1e-9);
-  EXPECT_GT(fastest_turn, 0.9 * limits.turn_rate);
+  EXPECT_LE(fastest, config.cruise_speed + 1e-9);
+  EXPECT_GT(fastest, 0.9 * config.cruise_speed);
+  EXPECT_LE(fastest_turn, config.turn_rate + 1e-9);
+  EXPECT_GT(fastest_turn, 0.9 * config.turn_rate);
   EXPECT_EQ(last_speed, 0.0);
+  EXPECT_EQ(last_rate, 0.0);
 }
 
-TEST(Motion, FollowsTheWayAndComesBack) {
-  const Motion motion = zigzag({});
+TEST(Driver, FollowsTheWayAndComesBackThoughItSlips) {
   const std::vector<Segment> way{
       {{0.0, 0.0}, {2.0, 0.5}}, {{2.0, 0.5}, {3.0, 2.0}}, {{3.0, 2.0}, {0.5, 2.0}}, {{0.5, 2.0}, {0.0, 0.0}}};
-  for (const Pose2& pose : motion.samples()) {
-    double off = 1e9;
-    for (const Segment& piece : way) {
-      off = std::min(off, distanceTo(piece, pose.translation()));
+  for (const double slip : {0.0, 0.05, 0.1}) {
+    MotionConfig config;
+    config.slip = slip;
+    const std::vector<Pose2> poses = zigzag(config);
+    for (const Pose2& pose : poses) {
+      double off = 1e9;
+      for (const Segment& piece : way) {
+        off = std::min(off, distanceTo(piece, pose.translation()));
+      }
+      ASSERT_LT(off, 0.12);
     }
-    ASSERT_LT(off, 0.11);
+    EXPECT_LT(poses.back().translation().norm(), 0.03);
+    EXPECT_LT(std::abs(common::wrapAngle(poses.back().yaw)), 0.03);
   }
-  const Pose2 end = motion.at(motion.duration());
-  EXPECT_LT(end.translation().norm(), 0.03);
-  EXPECT_LT(std::abs(common::wrapAngle(end.yaw)), 0.02);
 }
 
-TEST(Motion, GetsAroundHairpins) {
+TEST(Driver, SlipsOnlyWhenToldTo) {
+  const std::vector<Pose2> firm = zigzag(withoutSlip());
+  const std::vector<Pose2> slipping = zigzag({});
+  EXPECT_NE(firm.size(), slipping.size());
+}
+
+TEST(Driver, IsSlowWhereTheGroundIsSteep) {
+  const Polygon area{{2.0, -1.0}, {4.0, -1.0}, {4.0, 1.0}, {2.0, 1.0}};
+  Driver driver(withoutSlip(), {SlowZone(area, 0.2, 0.6, 1.0)}, 1);
+  driver.follow({{0.0, 0.0}, {6.0, 0.0}}, 0.5);
+  const auto& poses = driver.poses();
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double speed = (poses[i].x - poses[i - 1].x) / Motion::kStep;
+    if (poses[i].x > 2.1 && poses[i].x < 3.9) {
+      ASSERT_LT(speed, 0.21);
+    }
+    if (poses[i].x > 2.5 && poses[i].x < 3.9) {
+      ASSERT_NEAR(speed, 0.2 * std::cos(0.6), 1e-6);
+    }
+  }
+}
+
+TEST(Driver, GetsAroundHairpins) {
   for (const double width : {0.0, 0.02, 0.1, 0.3, 0.6}) {
-    Driver driver({});
-    driver.follow({{0.0, 0.0}, {1.0, 0.0}, {0.0, width}, {1.0, 2.0 * width}});
-    EXPECT_LT(driver.motion().duration(), 25.0) << width;
-    EXPECT_LT((driver.motion().samples().back().translation() - Eigen::Vector2d(1.0, 2.0 * width)).norm(),
-              0.04);
+    Driver driver({}, {}, 1);
+    driver.follow({{0.0, 0.0}, {1.0, 0.0}, {0.0, width}, {1.0, 2.0 * width}}, 0.5);
+    EXPECT_LT(driver.seconds(), 40.0) << width;
+    EXPECT_LT((driver.pose().translation() - Eigen::Vector2d(1.0, 2.0 * width)).norm(), 0.04);
   }
 }
 
 TEST(Motion, IsLinearBetweenSamplesAndStandsAtItsEnds) {
-  const Motion motion = zigzag({});
-  const auto& samples = motion.samples();
-  const Pose2 middle = motion.at(100.5 * Motion::kStep);
-  EXPECT_NEAR(middle.x, 0.5 * (samples[100].x + samples[101].x), 1e-12);
-  EXPECT_NEAR(middle.yaw, 0.5 * (samples[100].yaw + samples[101].yaw), 1e-12);
-  EXPECT_EQ(motion.at(-1.0).x, samples.front().x);
-  EXPECT_EQ(motion.at(1e6).yaw, samples.back().yaw);
+  common::Pose3 a = common::pose3FromPose2({1.0, 2.0, 0.0}, 0.5);
+  common::Pose3 b = common::pose3FromPose2({1.0, 2.0, 0.2}, 0.7);
+  const Motion motion({a, b, b});
+  EXPECT_DOUBLE_EQ(motion.duration(), 2.0 * Motion::kStep);
+  EXPECT_NEAR(motion.pathLength(), 0.2, 1e-12);
+  const common::Pose3 middle = motion.at(0.25 * Motion::kStep);
+  EXPECT_NEAR(middle.translation().z(), 0.55, 1e-12);
+  EXPECT_NEAR(common::rpyFromRotation(middle.linear()).yaw, 0.05, 1e-12);
+  EXPECT_EQ(motion.at(-1.0).translation(), a.translation());
+  EXPECT_EQ(motion.at(1e6).translation(), b.translation());
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ using Corners = std::vector<cv::Point2f>;
 
 struct View {
   cv::Mat grey;
-  cv::Mat H_view_picture;
+  cv::Mat H;  // View from picture.
 };
 
 /// The picture as a camera sees it from the side, about 100 pixels wide.
@@ -42,13 +42,13 @@ View seenFromTheSide(const cv::Mat& picture) {
   // At four times the size, then averaged, as pixels average light.
   const Corners to{{160.0F, 120.0F}, {560.0F, 180.0F}, {550.0F, 520.0F}, {150.0F, 570.0F}};
   View view;
-  view.H_view_picture = cv::getPerspectiveTransform(from, to);
+  view.H = cv::getPerspectiveTransform(from, to);
   cv::Mat large;
-  cv::warpPerspective(greyOf(picture), large, view.H_view_picture, {720, 720}, cv::INTER_AREA,
-                      cv::BORDER_CONSTANT, cv::Scalar::all(150));
+  cv::warpPerspective(greyOf(picture), large, view.H, {720, 720}, cv::INTER_AREA, cv::BORDER_CONSTANT,
+                      cv::Scalar::all(150));
   cv::resize(large, view.grey, {180, 180}, 0.0, 0.0, cv::INTER_AREA);
   const cv::Mat shrink = (cv::Mat_<double>(3, 3) << 0.25, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 1.0);
-  view.H_view_picture = shrink * view.H_view_picture;
+  view.H = shrink * view.H;
   return view;
 }
 
@@ -132,7 +132,7 @@ TEST(Signs, TagIsDetectedWhereItsShareSays) {
     ASSERT_EQ(side.size(), 1U) << id;
     EXPECT_EQ(side[0].id, id);
     Corners expected;
-    cv::perspectiveTransform(tagCorners(440), expected, view.H_view_picture);
+    cv::perspectiveTransform(tagCorners(440), expected, view.H);
     EXPECT_LT(worstCorner(expected, side[0].corners), 0.5F);
   }
 }

@@ -58,7 +58,8 @@ TEST(StabilizerModel, HoldsWhenTheCommandExpires) {
 /// Rolls and pitches like a robot on ramps.
 Pose3 rocking(double seconds) {
   Pose3 T = Pose3::Identity();
-  T.linear() = common::rotationFromRpy({0.15 * std::sin(1.5 * seconds), 0.2 * std::sin(1.1 * seconds), 0.3 * seconds});
+  T.linear() =
+      common::rotationFromRpy({0.15 * std::sin(1.5 * seconds), 0.2 * std::sin(1.1 * seconds), 0.3 * seconds});
   return T;
 }
 

@@ -37,7 +37,8 @@ std::filesystem::path cacheFolder() {
 
 void runArena(const ArenaOptions& options) {
   if (options.closed_loop) {
-    throw common::Error("--closed-loop needs a fusion that levels the plate, which this version does not have yet");
+    throw common::Error(
+        "--closed-loop needs a fusion that levels the plate, which this version does not have yet");
   }
   common::Config config;
   for (const std::string& file : options.config_files) {
@@ -67,14 +68,16 @@ void addArenaCommand(CLI::App& app) {
   const auto options = std::make_shared<ArenaOptions>();
   CLI::App* command = app.add_subcommand("arena", "Simulate a mission with exact truth from a seed");
   command
-      ->add_option("--mission", options->mission.kind,
-                   "What the robot does: flat (rooms on one level floor), rescue (floor, steep ramp, platform, stairs "
-                   "and back), tour (random goals, now and then over the platform)")
+      ->add_option(
+          "--mission", options->mission.kind,
+          "What the robot does: flat (rooms on one level floor), rescue (floor, steep ramp, platform, stairs "
+          "and back), tour (random goals, now and then over the platform)")
       ->check(CLI::IsMember({"flat", "rescue", "tour"}))
       ->capture_default_str();
   command->add_option("--seed", options->mission.seed, "Same seed, same bytes")->capture_default_str();
-  command->add_option("--duration", options->duration_s,
-                      "Longest drive, s; the robot uses what it needs (default: flat 75, rescue 180, tour 300)")
+  command
+      ->add_option("--duration", options->duration_s,
+                   "Longest drive, s; the robot uses what it needs (default: flat 75, rescue 180, tour 300)")
       ->check(CLI::Range(arena_sim::kShortestMission, 3600.0));
   command->add_flag("--without-camera", options->without_camera, "Leave CAMERA out: nothing is rendered");
   command->add_flag("--without-odometry", options->without_odometry, "Leave ODOMETRY out of the log");
@@ -87,8 +90,9 @@ void addArenaCommand(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--set", options->overrides, "One value, e.g. --set arena_sim.lidar.range_sigma=0.03")
       ->allow_extra_args(false);
-  command->add_option("--out", options->out,
-                      "Folder for mission.lcm, robot.yaml, truth/, preview.png and top_view.png")
+  command
+      ->add_option("--out", options->out,
+                   "Folder for mission.lcm, robot.yaml, truth/, preview.png and top_view.png")
       ->required();
   command->footer("Example:\n  rubble arena --mission rescue --seed 7 --out mission\n");
   command->callback([options] { runArena(*options); });

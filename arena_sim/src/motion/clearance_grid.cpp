@@ -17,6 +17,7 @@ constexpr double kComfort = 0.8;         // Clearance above which a way costs it
 constexpr double kDiscomfortCost = 3.0;  // Per metre at no clearance.
 constexpr double kVisitedCost = 0.7;     // Per metre and earlier way.
 constexpr double kVisitedRadius = 0.4;
+constexpr double kFarthest = 1.0;  // Clearances are not told apart beyond.
 constexpr double kEnd = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -32,12 +33,26 @@ ClearanceGrid::ClearanceGrid(const std::vector<Segment>& segments) {
   height_ = 1 + static_cast<int>((upper.y() - lower_.y()) / kCellSize);
   clearance_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   visited_.resize(clearance_.size());
-  for (std::size_t i = 0; i < clearance_.size(); ++i) {
-    double nearest = kEnd;
-    for (const Segment& s : segments) {
-      nearest = std::min(nearest, distanceTo(s, centreOf(static_cast<int>(i))));
+  std::fill(clearance_.begin(), clearance_.end(), kFarthest);
+  for (const Segment& s : segments) {
+    forCellsNear(s, kFarthest, [&](std::size_t cell, double distance) {
+      clearance_[cell] = std::min(clearance_[cell], distance);
+    });
+  }
+}
+
+template <typename Visit>
+void ClearanceGrid::forCellsNear(const Segment& s, double radius, const Visit& visit) const {
+  const Vector2d reach(radius, radius);
+  const Vector2d low = (s.a.cwiseMin(s.b) - reach - lower_) / kCellSize;
+  const Vector2d high = (s.a.cwiseMax(s.b) + reach - lower_) / kCellSize;
+  for (int y = std::max(0, static_cast<int>(low.y())); y < std::min<double>(height_, high.y()); ++y) {
+    for (int x = std::max(0, static_cast<int>(low.x())); x < std::min<double>(width_, high.x()); ++x) {
+      const int cell = y * width_ + x;
+      if (const double distance = distanceTo(s, centreOf(cell)); distance < radius) {
+        visit(static_cast<std::size_t>(cell), distance);
+      }
     }
-    clearance_[i] = nearest;
   }
 }
 
@@ -48,7 +63,9 @@ int ClearanceGrid::indexOf(const Vector2d& p) const {
 }
 
 Vector2d ClearanceGrid::centreOf(int index) const {
-  return lower_ + kCellSize * Vector2d(index % width_ + 0.5, index / width_ + 0.5);
+  const int x = index % width_;
+  const int y = index / width_;
+  return lower_ + kCellSize * Vector2d(x + 0.5, y + 0.5);
 }
 
 double ClearanceGrid::clearance(const Vector2d& p) const {
@@ -80,7 +97,7 @@ std::optional<Polyline> ClearanceGrid::findWay(const Vector2d& from, const Vecto
          {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
       const int neighbour = indexOf(centreOf(cell) + kCellSize * Vector2d(dx, dy));
       const auto n = static_cast<std::size_t>(neighbour);
-      if (neighbour < 0 || clearance_[n] < min_clearance) {
+      if (neighbour < 0 || (neighbour != start && clearance_[n] < min_clearance)) {
         continue;
       }
       const double discomfort = std::max(0.0, kComfort - clearance_[n]) / kComfort;
@@ -133,13 +150,13 @@ Polyline ClearanceGrid::cutCorners(const Polyline& way, double min_clearance) co
 }
 
 void ClearanceGrid::noteWay(const Polyline& way) {
+  std::vector<bool> passed(visited_.size());
+  for (std::size_t k = 0; k + 1 < way.size(); ++k) {
+    forCellsNear({way[k], way[k + 1]}, kVisitedRadius,
+                 [&](std::size_t cell, double) { passed[cell] = true; });
+  }
   for (std::size_t i = 0; i < visited_.size(); ++i) {
-    for (std::size_t k = 0; k + 1 < way.size(); ++k) {
-      if (distanceTo({way[k], way[k + 1]}, centreOf(static_cast<int>(i))) < kVisitedRadius) {
-        visited_[i] += 1.0;
-        break;
-      }
-    }
+    visited_[i] += passed[i] ? 1.0 : 0.0;
   }
 }
 

@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 
 constexpr double kLookahead = 0.3;
 constexpr double kSharpTurn = 0.8;
-constexpr double kTurned = 0.01;
+constexpr double kTurned = 0.02;
 constexpr double kArrived = 0.01;
 constexpr double kMissed = 0.03;
 constexpr double kSlowest = 0.1;
@@ -151,7 +151,7 @@ void Driver::turnTo(double yaw) {
     }
     // Fast enough to stop in time.
     const double rate = std::min(config_.turn_rate, std::sqrt(config_.turn_acceleration * std::abs(error)));
-    step(0.0, speed_ > 0.0 ? 0.0 : std::copysign(std::min(rate, 4.0 * std::abs(error)), error));
+    step(0.0, speed_ > 0.0 ? 0.0 : std::copysign(std::min(rate, 5.0 * std::abs(error)), error));
   }
   while (rate_ != 0.0) {
     step(0.0, 0.0);

@@ -38,14 +38,14 @@ Driver Planner::newDriver() const {
 /// Ahead in a slight curve: a single camera needs some way before the first turn.
 void Planner::begin() {
   const double side = random_.sign();
-  for (const double length : {1.15, 0.8, 0.5}) {
+  for (const double length : {1.1, 0.8, 0.5}) {
     for (const double curvature : {0.35 * side, -0.35 * side, 0.15 * side, -0.15 * side, 0.0}) {
       Polyline way;
       for (double s = 0.0; s <= length; s += 0.05) {
         way.emplace_back(s, 0.5 * curvature * s * s);
       }
       if (std::all_of(way.begin(), way.end(),
-                      [&](const Vector2d& p) { return grid_.clearance(p) >= kWayClearance; })) {
+                      [&](const Vector2d& p) { return grid_.clearance(p) >= kWayClearance + 0.03; })) {
         addLeg(way);
         return;
       }
@@ -54,9 +54,12 @@ void Planner::begin() {
 }
 
 void Planner::addLeg(const Polyline& way) {
-  legs_.push_back({way, config_.cruise_speed * random_.uniform(0.75, 1.3), random_.uniform(0.2, 1.0)});
-  driver_.follow(way, legs_.back().speed);
+  // The beginning is quick, so that short missions have a round trip, too.
+  const bool early = legs_.size() < 2;
+  legs_.push_back({early ? 0.1 : random_.uniform(0.2, 1.2), way,
+                   config_.cruise_speed * random_.uniform(early ? 1.0 : 0.75, 1.3)});
   driver_.stand(legs_.back().pause_s);
+  driver_.follow(way, legs_.back().speed);
 }
 
 bool Planner::driveTo(const Vector2d& goal) {
@@ -124,8 +127,8 @@ double Planner::length() const {
 std::vector<common::Pose2> Planner::driveAgain(double share) const {
   Driver driver = newDriver();
   for (const Leg& leg : legs_) {
-    driver.follow(leg.way, share * leg.speed);
     driver.stand(leg.pause_s);
+    driver.follow(leg.way, share * leg.speed);
   }
   driver.turnTo(0.0);
   return driver.poses();

@@ -13,9 +13,9 @@ namespace rubble::arena_sim {
 
 /// A piece of the drive that ends with a stop.
 struct Leg {
+  double pause_s = 0.0;  // Before it.
   Polyline way;
   double speed = 0.0;  // m/s at most
-  double pause_s = 0.0;
 };
 
 /// The robot's plan, leg by leg, driven while it grows. Copies grow on by themselves.

@@ -22,7 +22,7 @@ enum class MissionKind {
 struct MotionConfig {
   double cruise_speed = 0.5;
   double turn_rate = 0.6;
-  double acceleration = 0.6;
+  double acceleration = 0.8;
   double turn_acceleration = 2.0;
   double slip = 0.05;
   double vibration = 1.0;

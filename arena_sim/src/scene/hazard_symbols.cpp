@@ -49,6 +49,7 @@ class SymbolPen {
 
   std::vector<cv::Point> toPixels(const std::vector<cv::Point2d>& places) const {
     std::vector<cv::Point> pixels;
+    pixels.reserve(places.size());
     for (const cv::Point2d& p : places) {
       pixels.emplace_back(cvRound((centre_.x + radius_ * p.x) * (1 << kShift)),
                           cvRound((centre_.y - radius_ * p.y) * (1 << kShift)));

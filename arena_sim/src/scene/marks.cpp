@@ -115,8 +115,8 @@ void weather(Canvas& canvas, float strength) {
     }
     const float loss = 256.0F * 0.22F * strength * dirt * dirt;
     auto* row = canvas.picture.ptr<std::uint8_t>(y);
-    for (std::size_t x = 0; x < light.size(); ++x) {
-      const auto factor = static_cast<int>(light[x] - loss);
+    for (const float share : light) {
+      const auto factor = static_cast<int>(share - loss);
       for (int c = 0; c < 3; ++c, ++row) {
         *row = static_cast<std::uint8_t>(std::clamp((*row * factor) >> 8, 0, 255));
       }

@@ -38,7 +38,7 @@ void paint(Material material, Canvas& canvas) {
     case Material::kBricks:
       return paintBricks(canvas);
   }
-  RUBBLE_CHECK(!"a material without a painter");
+  RUBBLE_CHECK(false && "a material without a painter");
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ double reflectivityAt905nm(Material material) {
     case Material::kBricks:
       return 0.40;
   }
-  RUBBLE_CHECK(!"a material without a reflectivity");
+  RUBBLE_CHECK(false && "a material without a reflectivity");
   return 0.0;
 }
 

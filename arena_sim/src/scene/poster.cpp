@@ -52,7 +52,8 @@ void writeLine(cv::Mat& poster, const std::string& text, cv::Point at, double he
 /// Lines of small text that fill an area.
 void writeBlock(cv::Mat& poster, const cv::Rect& area, const cv::Scalar& ink, Dice& dice) {
   cv::Mat part = poster(area);
-  const double height = std::max(5.0F, dice.uniform(0.012F, 0.03F) * static_cast<float>(poster.rows));
+  const auto height =
+      static_cast<double>(std::max(5.0F, dice.uniform(0.012F, 0.03F) * static_cast<float>(poster.rows)));
   for (double y = 1.5 * height; y < area.height; y += 1.8 * height) {
     const float share = dice.chance(0.2) ? dice.uniform(0.3F, 0.8F) : 1.0F;
     const int letters = std::max(
@@ -90,8 +91,8 @@ void paintPhoto(cv::Mat& poster, const cv::Rect& area, Dice& dice, std::uint64_t
     const cv::Point at(dice.below(area.width), cvRound(horizon) + dice.below(std::max(1, area.height / 3)));
     const cv::Size size(1 + cvRound(length * dice.uniform(0.02F, 0.12F)),
                         1 + cvRound(length * dice.uniform(0.03F, 0.2F)));
-    cv::ellipse(photo, at, size, dice.uniform(-20.0F, 20.0F), 0.0, 360.0, anyColour(dice), cv::FILLED,
-                cv::LINE_AA);
+    cv::ellipse(photo, at, size, static_cast<double>(dice.uniform(-20.0F, 20.0F)), 0.0, 360.0,
+                anyColour(dice), cv::FILLED, cv::LINE_AA);
   }
   cv::GaussianBlur(photo, photo, {}, 0.8 + 0.004 * static_cast<double>(length));
   photo.copyTo(poster(area));
@@ -150,7 +151,7 @@ void drawPictogram(cv::Mat& poster, const cv::Rect& area, Dice& dice) {
     }
     return;
   }
-  const double turn = dice.uniform(0.0F, 6.28F);
+  const auto turn = static_cast<double>(dice.uniform(0.0F, 6.28F));
   const cv::Point along(cvRound(0.45 * r * std::cos(turn)), cvRound(0.45 * r * std::sin(turn)));
   cv::arrowedLine(poster, c - along, c + along, pale, 2 * width, cv::LINE_AA, 0, 0.4);
 }

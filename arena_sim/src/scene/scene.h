@@ -16,14 +16,14 @@ enum class Material {
   kPlywood,
   kPlanks,
   kConcrete,
-  kPaint,      // Plain painted board: hardly a corner on it.
+  kPaint,  // Plain painted board: hardly a corner on it.
   kCardboard,
-  kMetal,      // Galvanised steel, barrels, lamp housings.
-  kRubber,     // Nearly black.
+  kMetal,   // Galvanised steel, barrels, lamp housings.
+  kRubber,  // Nearly black.
   kCloth,
-  kSkin,       // Of a doll.
+  kSkin,  // Of a doll.
   kCarpet,
-  kBricks,     // The hall around the arena.
+  kBricks,  // The hall around the arena.
 };
 
 /// How a surface looks over its chart.

@@ -138,7 +138,7 @@ std::shared_ptr<const cv::Mat> drawHead(const cv::Scalar& skin, Dice& dice) {
 
   const std::array hairs{cv::Vec3f(40, 38, 40), cv::Vec3f(38, 55, 85), cv::Vec3f(80, 140, 180),
                          cv::Vec3f(45, 70, 130)};
-  const cv::Vec3f hair = hairs[static_cast<std::size_t>(dice.below(4))];
+  const cv::Vec3f& hair = hairs[static_cast<std::size_t>(dice.below(4))];
   const auto seed = static_cast<std::uint64_t>(dice.below(1 << 30));
   const double fringe = static_cast<double>(dice.uniform(24.0F, 40.0F));
   Fractal strands(seed, 1.0F, 14.0F, 90.0F, 4, 0.8F);

@@ -11,12 +11,13 @@ namespace {
 
 constexpr int kPerRing = 16;
 constexpr int kRings = 256;
+constexpr std::size_t kProfile = std::size_t{kPerRing} * kRings;
 
 /// Early wood darkens slowly into late wood, then starts anew; no two rings alike.
 std::vector<float> ringProfile(std::uint64_t seed) {
   Dice dice(seed, 3);
   std::vector<float> profile;
-  while (profile.size() < static_cast<std::size_t>(kPerRing * kRings)) {
+  while (profile.size() < kProfile) {
     const int width = kPerRing / 2 + dice.below(kPerRing);
     const float depth = dice.uniform(0.3F, 1.6F);
     for (int i = 0; i < width; ++i) {
@@ -24,7 +25,7 @@ std::vector<float> ringProfile(std::uint64_t seed) {
       profile.push_back(depth * (0.45F - 1.6F * t * t * t * (t < 0.9F ? 1.0F : 5.0F * (1.0F - t) + 0.5F)));
     }
   }
-  profile.resize(static_cast<std::size_t>(kPerRing * kRings));
+  profile.resize(kProfile);
   return profile;
 }
 
@@ -81,8 +82,8 @@ void WoodGrain::piece(std::size_t begin, std::size_t end, float v, float offset,
     const float place = (base + wave_row_[x]) * static_cast<float>(kPerRing);
     const auto i = static_cast<unsigned>(place);
     const float share = place - static_cast<float>(i);
-    const float a = profile_[i % (kPerRing * kRings)];
-    const float b = profile_[(i + 1) % (kPerRing * kRings)];
+    const float a = profile_[i % kProfile];
+    const float b = profile_[(i + 1) % kProfile];
     tones[x] += shape_.ring_contrast * (a + share * (b - a)) + fibre_row_[x] + knot_row_[x];
   }
 }

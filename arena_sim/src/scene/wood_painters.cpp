@@ -47,7 +47,7 @@ Strand throwStrand(const cv::Point2f& centre, float pixel, float size, const cv:
   float walk = 0.0F;
   for (int i = 0; i < kFibres; ++i) {
     walk = 0.65F * walk + 4.0F * hashSigned(grain, i, 0);
-    const float tone = walk + lean * static_cast<float>(i - kFibres / 2);
+    const float tone = walk + lean * (static_cast<float>(i) - 0.5F * kFibres);
     // The lower edge lies in its own shade.
     writeRow({&tone, 1}, {colour - cv::Vec3f::all(i == kFibres - 1 ? 14.0F : 0.0F), {1.1F, 1.0F, 0.85F}},
              &strand.fibres[i]);

@@ -17,13 +17,12 @@ namespace rubble::arena_sim {
 
 namespace {
 
-constexpr double kMaxTexels = 100e6;  // On the finest level: 540 MB with all of them.
-
 /// Blue, green, red: the hall's lamps are colder than the work lights; the white balance lies between.
 const Eigen::Array4f kLampColours[kLampGroups] = {{1.04F, 1.0F, 0.97F, 0.0F}, {0.88F, 1.0F, 1.08F, 0.0F}};
 
 std::vector<float> meanReflectances(const std::vector<Texture>& textures) {
   std::vector<float> means;
+  means.reserve(textures.size());
   for (const Texture& texture : textures) {
     means.push_back(texture.meanReflectance());
   }
@@ -49,7 +48,7 @@ struct CameraModel::Parts {
         light_change(config.light_change, seed),
         auto_exposure(config.exposure, config.gain_limit),
         workers(threads),
-        textures(paintTextures(scene, kMaxTexels, workers)),
+        textures(paintTextures(scene, 1e6 * config.texture_budget, workers)),
         renderer(scene, tracer->embree(), textures,
                  bakeLight(scene, tracer->embree(), meanReflectances(textures), workers), rays,
                  config.samples),
@@ -70,20 +69,21 @@ struct CameraModel::Parts {
   std::optional<double> last_s;
   double last_grey = 0.0;
 
-  LightLevels lightLevels(double seconds) const {
+  LightLevels lightLevels(double seconds, double lights) const {
     LightLevels levels;
     for (int group = 0; group < kLampGroups; ++group) {
-      levels.group[group] = kLampColours[group] * static_cast<float>(light_change.brightness(group, seconds));
+      levels.group[group] =
+          kLampColours[group] * static_cast<float>(lights * light_change.brightness(group, seconds));
     }
-    levels.headlight = static_cast<float>(config.headlight);
+    levels.headlight = static_cast<float>(lights * config.headlight);
     return levels;
   }
 
-  CameraPicture expose(double seconds, const std::function<common::Pose3(double)>& T_world_camera) {
+  CameraPicture expose(double seconds, const PoseAt& T_world_camera, double lights) {
     const Exposure exposure = auto_exposure.exposure();
     const Shutter shutter(seconds, exposure.seconds, config.readout, radiance.height, config.samples,
                           T_world_camera);
-    renderer.render(shutter, lightLevels(seconds), hashOf(seed) + frame, workers, radiance);
+    renderer.render(shutter, lightLevels(seconds, lights), hashOf(seed) + frame, workers, radiance);
     CameraPicture picture{sensor.develop(radiance, exposure, frame, workers), exposure.seconds,
                           exposure.gain};
     last_grey = meanGrey(picture.bgr);
@@ -91,11 +91,11 @@ struct CameraModel::Parts {
   }
 
   /// Before its first picture the camera has looked at the scene for a while.
-  void settle(double seconds, const std::function<common::Pose3(double)>& T_world_camera) {
+  void settle(double seconds, const PoseAt& T_world_camera) {
     constexpr int kLooks = 5;
     constexpr double kLong = 10.0;  // s
     for (int i = 0; i < kLooks; ++i) {
-      expose(seconds, T_world_camera);
+      expose(seconds, T_world_camera, 1.0);
       auto_exposure.follow(last_grey, kLong);
     }
   }
@@ -108,24 +108,16 @@ CameraModel::CameraModel(const CameraModelConfig& config, const common::RobotCon
 
 CameraModel::~CameraModel() = default;
 
-CameraPicture CameraModel::take(double seconds, const std::function<common::Pose3(double)>& T_world_camera) {
+CameraPicture CameraModel::take(double seconds, const PoseAt& T_world_camera, double lights) {
   if (parts_->last_s) {
     parts_->auto_exposure.follow(parts_->last_grey, seconds - *parts_->last_s);
   } else {
     parts_->settle(seconds, T_world_camera);
   }
   parts_->last_s = seconds;
-  CameraPicture picture = parts_->expose(seconds, T_world_camera);
+  CameraPicture picture = parts_->expose(seconds, T_world_camera, lights);
   ++parts_->frame;
   return picture;
-}
-
-std::size_t CameraModel::textureBytes() const {
-  std::size_t bytes = 0;
-  for (const Texture& texture : parts_->textures) {
-    bytes += texture.bytes();
-  }
-  return bytes;
 }
 
 void visit(common::ConfigSection& section, CameraModelConfig& config) {
@@ -139,6 +131,8 @@ void visit(common::ConfigSection& section, CameraModelConfig& config) {
   section.number("headlight", config.headlight, "", 0.0, 100.0, "the robot's lamp, irradiance at 1 m");
   section.number("light_change", config.light_change, "", 0.0, 2.0,
                  "how much the lamps' brightness drifts and jumps, as a share");
+  section.number("texture_budget", config.texture_budget, "million texels", 0.1, 1000.0,
+                 "of all textures together, 5.4 MB each; more than needed is not painted");
   section.integer("jpeg_quality", config.jpeg_quality, "", 10, 100, "of the pictures sent");
 }
 

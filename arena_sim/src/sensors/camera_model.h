@@ -1,16 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <thread>
 
 #include "common/config.h"
-#include "common/geometry.h"
 #include "common/robot_config.h"
 #include "scene/ray_tracer.h"
 #include "scene/scene.h"
+#include "sensors/pose_at.h"
 
 namespace rubble::arena_sim {
 
@@ -24,6 +23,7 @@ struct CameraModelConfig {
   double noise = 1.0;
   double headlight = 0.05;
   double light_change = 0.3;
+  double texture_budget = 100.0;
   int jpeg_quality = 90;
 };
 
@@ -46,11 +46,9 @@ class CameraModel {
   ~CameraModel();
 
   /// The picture whose exposure (of the middle row) is centred on `seconds`, later than that of the last one.
-  /// T_world_camera is asked for times (s) within exposure and readout around it.
-  CameraPicture take(double seconds, const std::function<common::Pose3(double)>& T_world_camera);
-
-  /// Memory of the baked textures.
-  std::size_t textureBytes() const;
+  /// T_world_camera is asked for times (s) within exposure and readout around it. `lights`: what the lamps
+  /// give of their light.
+  CameraPicture take(double seconds, const PoseAt& T_world_camera, double lights = 1.0);
 
  private:
   struct Parts;

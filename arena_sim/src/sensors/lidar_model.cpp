@@ -15,7 +15,7 @@ constexpr double kResolution = 0.001;
 constexpr double kPictureReflectivity = 0.6;  // Paper.
 constexpr double kFlicker = 0.3;              // Of a weak signal, 1 sigma of its logarithm.
 constexpr double kEdge = 0.10;                // m between the rims of a beam: two surfaces.
-constexpr double kNoiseRange = 10.0;          // m, the noise grows beyond; it is threefold at three times this.
+constexpr double kNoiseRange = 10.0;  // m, the noise grows beyond; it is threefold at three times this.
 
 }  // namespace
 

@@ -65,8 +65,10 @@ bool isVisible(RTCScene tracer, const Vector3f& from, const Vector3f& to) {
 
 /// From one of the lamp's cells.
 float cellLight(RTCScene tracer, const Lamp& lamp, int cell, const Vector3f& p, const Vector3f& normal) {
-  const float u = (static_cast<float>(cell % kLampSide) + 0.5F) / kLampSide * 2.0F - 1.0F;
-  const float v = (static_cast<float>(cell / kLampSide) + 0.5F) / kLampSide * 2.0F - 1.0F;
+  const int row = cell / kLampSide;
+  const auto share = [](int step) { return (2.0F * static_cast<float>(step) + 1.0F) / kLampSide - 1.0F; };
+  const float u = share(cell % kLampSide);
+  const float v = share(row);
   const Eigen::Vector2f half = lamp.half_size.cast<float>();
   const Vector3f light = lamp.p_world.cast<float>() + Vector3f(u * half.x(), v * half.y(), 0.0F);
   const Vector3f way = light - p;

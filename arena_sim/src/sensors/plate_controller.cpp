@@ -7,7 +7,8 @@ namespace rubble::arena_sim {
 void visit(common::ConfigSection& section, PlateControllerConfig& config) {
   section.number("rate", config.rate, "Hz", 1.0, 400.0, "commands per second");
   section.number("delay", config.delay, "s", 0.0, 1.0, "age of the attitude when it is known");
-  section.number("attitude_sigma", config.attitude_sigma, "rad", 0.0, 0.5, "noise of roll and pitch, 1 sigma");
+  section.number("attitude_sigma", config.attitude_sigma, "rad", 0.0, 0.5,
+                 "noise of roll and pitch, 1 sigma");
   section.number("rate_sigma", config.rate_sigma, "rad/s", 0.0, 5.0, "noise of their rates, 1 sigma");
 }
 

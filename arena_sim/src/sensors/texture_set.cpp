@@ -50,7 +50,7 @@ std::uint32_t packed(unsigned blue, unsigned green, unsigned red) { return blue 
 /// The bytes whose squares the linear picture holds.
 std::uint32_t encoded(const cv::Vec3w& linear) {
   const auto root = [](std::uint16_t v) {
-    return static_cast<unsigned>(std::sqrt(static_cast<float>(v)) + 0.5F);
+    return static_cast<unsigned>(std::lround(std::sqrt(static_cast<float>(v))));
   };
   return packed(root(linear[0]), root(linear[1]), root(linear[2]));
 }

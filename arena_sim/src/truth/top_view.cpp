@@ -55,8 +55,8 @@ class View {
                               : object.kind == "qr"     ? cv::Scalar(200, 0, 160)
                                                         : cv::Scalar(160, 130, 0);
     cv::circle(picture_, at, 7 << kShift, colour, 2, cv::LINE_AA, kShift);
-    cv::putText(picture_, object.id, {(at.x >> kShift) + 9, (at.y >> kShift) + 4}, cv::FONT_HERSHEY_SIMPLEX, 0.35,
-                colour, 1, cv::LINE_AA);
+    cv::putText(picture_, object.id, {(at.x >> kShift) + 9, (at.y >> kShift) + 4}, cv::FONT_HERSHEY_SIMPLEX,
+                0.35, colour, 1, cv::LINE_AA);
   }
 
   const cv::Mat& picture() const { return picture_; }

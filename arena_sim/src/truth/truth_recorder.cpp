@@ -40,15 +40,19 @@ std::vector<Segment> wallsOf(const World& world, double z) {
 std::string describe(const WorldObject& object) {
   const Eigen::Vector3d p = object.T_world_object.translation();
   const Eigen::Quaterniond q(object.T_world_object.linear());
-  return fmt::format("{},{},{},\"{}\",{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{:.4f},{:.4f}\n", object.id,
-                     object.object_class, object.kind, object.text, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(),
-                     q.z(), object.size.x(), object.size.y());
+  return fmt::format("{},{},{},\"{}\",{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{:.4f},{:.4f}\n",
+                     object.id, object.object_class, object.kind, object.text, p.x(), p.y(), p.z(), q.w(),
+                     q.x(), q.y(), q.z(), object.size.x(), object.size.y());
 }
 
 /// In time's order; a stamp that two sensors share once.
 common::Trajectory ordered(common::Trajectory trajectory) {
-  const auto earlier = [](const common::StampedPose& a, const common::StampedPose& b) { return a.utime < b.utime; };
-  const auto same = [](const common::StampedPose& a, const common::StampedPose& b) { return a.utime == b.utime; };
+  const auto earlier = [](const common::StampedPose& a, const common::StampedPose& b) {
+    return a.utime < b.utime;
+  };
+  const auto same = [](const common::StampedPose& a, const common::StampedPose& b) {
+    return a.utime == b.utime;
+  };
   std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
   trajectory.erase(std::unique(trajectory.begin(), trajectory.end(), same), trajectory.end());
   return trajectory;

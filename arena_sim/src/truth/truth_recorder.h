@@ -36,7 +36,8 @@ class TruthRecorder {
   /// World and tracer must outlive this. lidar_height: of the LiDAR over a level floor, m.
   TruthRecorder(const TruthConfig& config, const World& world, const RayTracer& tracer, double lidar_height);
 
-  void addPicture(common::Utime utime, const common::Pose3& T_world_body, const common::Pose3& T_world_camera);
+  void addPicture(common::Utime utime, const common::Pose3& T_world_body,
+                  const common::Pose3& T_world_camera);
   void addScan(common::Utime utime, const common::Pose3& T_world_body, const common::Pose3& T_world_lidar);
 
   /// Throws common::Error.

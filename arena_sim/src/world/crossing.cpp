@@ -66,14 +66,14 @@ class BlockBuilder {
     }
   }
 
-  /// A wall of panels along x whose top keeps `above` over what topAt says.
+  /// A wall of panels along x whose top keeps `above` over what top_at says.
   template <typename TopAt>
-  void addPanels(double x0, double x1, double y0, double y1, const TopAt& topAt) {
+  void addPanels(double x0, double x1, double y0, double y1, const TopAt& top_at) {
     const int panels = std::max(1, static_cast<int>(std::ceil((x1 - x0) / kPanel)));
     for (int i = 0; i < panels; ++i) {
       const double a = x0 + (x1 - x0) * i / panels;
       const double b = x0 + (x1 - x0) * (i + 1) / panels;
-      const double tops[] = {topAt(a), topAt(b), topAt(b), topAt(a)};
+      const double tops[] = {top_at(a), top_at(b), top_at(b), top_at(a)};
       addPrism(site_.scene.surfaces, outline(a, b, y0, y1), 0.0, tops,
                boardLook(random_, site_.config.plain_share), false, kBoardCell);
     }
@@ -103,7 +103,7 @@ class BlockBuilder {
     addPanels(rise, end, high, high + kBoard, railing);
     for (const double y : {kBoard, 0.5 * width}) {
       addLevelPrism(site_.scene, outline(end - kBoard, end, y, y + 0.5 * width - kBoard), 0.0,
-                    plan_.height + kRailing, boardLook(random_, site_.config.plain_share), false, kBoardCell);
+                    plan_.height + kRailing, boardLook(random_, site_.config.plain_share));
     }
   }
 

@@ -144,7 +144,7 @@ class HallBuilder {
       const Vector2d size = random_.chance(0.5) ? Vector2d(width, 1.4 * width) : Vector2d(1.5 * width, width);
       const double share = (i + random_.uniform(0.25, 0.75)) / banners;
       const cv::Mat poster =
-          drawPoster(random_.seed(), static_cast<int>(300 * size.x()), static_cast<int>(300 * size.y()));
+          drawPoster(random_.seed(), static_cast<int>(200 * size.x()), static_cast<int>(200 * size.y()));
       hang(wall, {0.8 + share * (wall.length - 1.6), random_.uniform(1.5, 1.7)}, size, poster);
     }
   }

@@ -213,7 +213,7 @@ class SignHanger {
       const double width = random_.uniform(0.3, 0.5);
       const Vector2d size(width, 1.4 * width);
       if (const auto place = findPlace(size)) {  // An arena full of signs needs none.
-        hang(*place, size, drawPoster(random_.seed(), 300, 420));
+        hang(*place, size, drawPoster(random_.seed(), 240, 336));
       }
     }
   }

@@ -39,13 +39,13 @@ Polygon rectangle(const common::Pose2& T_arena_rectangle, const Eigen::Vector2d&
 Polygon thicken(const Segment& line, double thickness);
 
 /// Cells (m) of boards, whose light changes less than that of the floor.
-inline constexpr float kBoardCell = 0.2F;
+inline constexpr float kBoardCell = 0.24F;
 
 /// Random material for boards: OSB, plywood, planks, or plain paint for `plain_share` of them.
 Appearance boardLook(Random& random, double plain_share);
 
 /// A solid over a convex outline from `bottom` to the level height `top`.
 void addLevelPrism(Scene& scene, const Polygon& outline, double bottom, double top, const Appearance& look,
-                   bool drivable = false, float cell = kMeshCell);
+                   bool drivable = false, float cell = kBoardCell);
 
 }  // namespace rubble::arena_sim

@@ -97,7 +97,7 @@ class VictimBuilder {
     const common::Pose3 T = common::pose3FromPose2(box) * common::Pose3(Eigen::Translation3d(centre));
     addBox(site_.scene.surfaces, T, size,
            {random_.pick({Material::kOsb, Material::kPlywood, Material::kPlanks}), random_.seed(), nullptr},
-           false);
+           false, kBoardCell);
   }
 
   /// Five boards, open in front; half of the boxes stand on a closed shelf. The height of their floor.

@@ -24,7 +24,7 @@ void addBoards(Site& site, const WallPiece& wall, Random& random) {
     }
     const Segment line{wall.line.a + from * along, wall.line.a + to * along};
     addLevelPrism(site.scene, thicken(line, wall.thickness), 0.0, site.config.wall_height,
-                  boardLook(random, site.config.plain_share), false, kBoardCell);
+                  boardLook(random, site.config.plain_share));
     from = to;
   }
 }
