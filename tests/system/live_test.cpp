@@ -38,8 +38,9 @@ class LiveTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     dir_ = std::make_unique<test::TempDir>();
-    const auto made =
-        test::shell(kBin + "rubble arena --mission flat --seed 5 --duration 20 --out " + path("mission"));
+    const auto made = test::shell(
+        kBin + "rubble arena --mission flat --seed 5 --duration 20 --without-camera --no-cache --out " +
+        path("mission"));
     ASSERT_EQ(made.status, 0) << made.output;
     const auto replayed =
         test::shell(kBin + "rubble replay " + path("mission/mission.lcm") + " --out " + path("replayed"));

@@ -19,8 +19,9 @@ class ReplayTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     dir_ = std::make_unique<test::TempDir>();
-    const auto made =
-        test::shell(kRubble + " arena --mission flat --seed 3 --duration 20 --out " + path("mission"));
+    const auto made = test::shell(
+        kRubble + " arena --mission flat --seed 3 --duration 20 --without-camera --no-cache --out " +
+        path("mission"));
     ASSERT_EQ(made.status, 0) << made.output;
   }
   static void TearDownTestSuite() { dir_.reset(); }

@@ -115,7 +115,7 @@ Footprint samplePlace(const Site& site, const Polygon& room, Random& random) {
     return {{random.uniform(0.0, site.plan.size.x()), random.uniform(0.0, site.plan.size.y())}, radius};
   }
   const auto edge = static_cast<std::size_t>(random.integer(0, static_cast<int>(room.size()) - 1));
-  const Vector2d a = room[edge];
+  const Vector2d& a = room[edge];
   const Vector2d along = room[(edge + 1) % room.size()] - a;
   const Vector2d inwards = Vector2d(-along.y(), along.x()).normalized();
   return {a + random.uniform(0.0, 1.0) * along + (radius + 0.04) * inwards, radius};
@@ -133,7 +133,8 @@ std::optional<std::size_t> roomAt(const FloorPlan& plan, const Vector2d& p) {
 }
 
 bool isFree(const Site& site, const Footprint& footprint) {
-  const auto [p, radius] = footprint;
+  const Vector2d& p = footprint.p;
+  const double radius = footprint.radius;
   const auto room = roomAt(site.plan, p);
   if (!room || room == site.plan.approach ||
       (p - site.start.translation()).norm() < radius + kStartClearance + 0.1) {

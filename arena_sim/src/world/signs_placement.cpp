@@ -40,6 +40,7 @@ class SignHanger {
 
   void hangAll(const std::vector<OpenBox>& boxes) {
     std::vector<common::Pose3> special;
+    special.reserve(boxes.size());
     for (const OpenBox& box : boxes) {
       special.push_back(box.T_arena_back * common::Pose3(Eigen::Translation3d(0.0, 0.0, kGap)));
     }

@@ -66,7 +66,7 @@ class VictimBuilder {
       const Polygon& room =
           rooms[static_cast<std::size_t>(random_.integer(0, static_cast<int>(rooms.size()) - 1))];
       const auto edge = static_cast<std::size_t>(random_.integer(0, static_cast<int>(room.size()) - 1));
-      const Vector2d a = room[edge];
+      const Vector2d& a = room[edge];
       const Vector2d along = (room[(edge + 1) % room.size()] - a).normalized();
       const double length = (room[(edge + 1) % room.size()] - a).norm();
       const double s = random_.uniform(0.0, length);
