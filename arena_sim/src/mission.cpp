@@ -26,20 +26,15 @@ constexpr int kOutputVersion = 1;
 
 constexpr std::uint32_t kControllerStream = 20;
 
-struct Kind {
-  MissionKind kind;
-  double usual_duration_s;
-};
-
-Kind kindOf(const std::string& name) {
+MissionKind kindOf(const std::string& name) {
   if (name == "flat") {
-    return {MissionKind::kFlat, 75.0};
+    return MissionKind::kFlat;
   }
   if (name == "rescue") {
-    return {MissionKind::kRescue, 180.0};
+    return MissionKind::kRescue;
   }
   if (name == "tour") {
-    return {MissionKind::kTour, 300.0};
+    return MissionKind::kTour;
   }
   throw common::Error(fmt::format("there is no mission `{}`; choose flat, rescue or tour", name));
 }
@@ -62,15 +57,15 @@ void createFolder(const fs::path& folder) {
   }
 }
 
-void record(const MissionOptions& options, const Kind& kind, double duration_s, const ArenaSimConfig& config,
+void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfig& config,
             const common::RobotConfig& robot, const fs::path& out) {
   WorldConfig world_config = config.world;
-  if (kind.kind == MissionKind::kFlat) {
+  if (kind == MissionKind::kFlat) {
     world_config.crossing = false;
     world_config.ramp_fields = false;
   }
   const World world = makeWorld(world_config, options.seed);
-  const Motion motion = planMission(world, kind.kind, options.seed, duration_s, config.motion);
+  const Motion motion = planMission(world, kind, options.seed, options.duration_s, config.motion);
 
   lcm_io::LogWriter log(out / "mission.lcm");
   ContactSheet sheet(motion.duration());
@@ -112,11 +107,10 @@ common::RobotConfig arenaRobot() {
 }
 
 void writeMission(const MissionOptions& options, const common::Config& config, const fs::path& out) {
-  const Kind kind = kindOf(options.kind);
-  const double duration_s = options.duration_s.value_or(kind.usual_duration_s);
-  if (!(duration_s >= kShortestMission)) {
-    throw common::Error(
-        fmt::format("a mission of {} s is too short; give it at least {} s", duration_s, kShortestMission));
+  const MissionKind kind = kindOf(options.kind);
+  if (options.duration_s && !(*options.duration_s >= kShortestMission)) {
+    throw common::Error(fmt::format("a mission of {} s is too short; give it at least {} s",
+                                    *options.duration_s, kShortestMission));
   }
   auto robot = config.read<common::RobotConfig>("robot", arenaRobot());
   const auto scenario = config.read<ArenaSimConfig>("arena_sim");
@@ -125,15 +119,16 @@ void writeMission(const MissionOptions& options, const common::Config& config, c
   const std::string scenario_yaml = config.describe<ArenaSimConfig>("arena_sim");
   createFolder(out);
 
-  const MissionCache cache(options.cache, fmt::format("{} {} {} {} {} {}\n{}{}", kOutputVersion, options.kind,
-                                                      options.seed, duration_s, options.with_camera,
-                                                      options.with_odometry, robot_yaml, scenario_yaml));
+  const MissionCache cache(
+      options.cache, fmt::format("{} {} {} {} {} {}\n{}{}", kOutputVersion, options.kind, options.seed,
+                                 options.duration_s.value_or(0.0), options.with_camera, options.with_odometry,
+                                 robot_yaml, scenario_yaml));
   if (!options.cache.empty() && cache.fetch(out)) {
     return;
   }
   common::writeFileAtomically(out / "robot.yaml", robot_yaml);
   common::writeFileAtomically(out / "arena_sim.yaml", scenario_yaml);
-  record(options, kind, duration_s, scenario, robot, out);
+  record(options, kind, scenario, robot, out);
   if (!options.cache.empty()) {
     cache.store(out);
   }

@@ -76,8 +76,9 @@ void addArenaCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--seed", options->mission.seed, "Same seed, same bytes")->capture_default_str();
   command
-      ->add_option("--duration", options->duration_s,
-                   "Longest drive, s; the robot uses what it needs (default: flat 75, rescue 180, tour 300)")
+      ->add_option(
+          "--duration", options->duration_s,
+          "Longest drive, s; the robot uses what it needs (default: about 75 flat, 180 rescue, 300 tour)")
       ->check(CLI::Range(arena_sim::kShortestMission, 3600.0));
   command->add_flag("--without-camera", options->without_camera, "Leave CAMERA out: nothing is rendered");
   command->add_flag("--without-odometry", options->without_odometry, "Leave ODOMETRY out of the log");

@@ -19,7 +19,11 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kRescueLength = 30.2;  // m seen from above; slopes and curves come on top.
-constexpr int kMisses = 4;              // Goals too far away before no more are tried.
+// How long missions usually take, s.
+constexpr double kFlatDuration = 75.0;
+constexpr double kRescueDuration = 180.0;
+constexpr double kTourDuration = 300.0;
+constexpr int kMisses = 4;  // Goals too far away before no more are tried.
 
 [[noreturn]] void failTooShort(const char* mission, double duration_s, double needed_s) {
   throw common::Error(
@@ -60,10 +64,12 @@ Planner planGoals(const World& world, bool with_crossing, std::uint64_t seed, do
 }
 
 /// Ground with a ramp field, the crossing, ground again and home.
-Planner planRescue(const World& world, std::uint64_t seed, double duration_s, const MotionConfig& config) {
+Planner planRescue(const World& world, std::uint64_t seed, std::optional<double> wanted_s,
+                   const MotionConfig& config) {
   if (!world.crossing) {
-    throw common::Error("the mission `rescue` leads over the crossing; set world.crossing: true");
+    throw common::Error("the mission `rescue` leads over the crossing; set arena_sim.world.crossing: true");
   }
+  const double duration_s = wanted_s.value_or(kRescueDuration);
   Planner open(world, config, seed);
   open.addRampField();
   std::optional<Planner> fitting;
@@ -77,10 +83,12 @@ Planner planRescue(const World& world, std::uint64_t seed, double duration_s, co
     if (closed.length() >= kRescueLength) {
       if (closed.seconds() <= duration_s) {
         fitting = std::move(closed);
-      } else if (!fitting) {
+      } else if (fitting) {
+        ++misses;
+      } else if (wanted_s) {
         failTooShort("rescue", duration_s, closed.seconds());
       } else {
-        ++misses;
+        return closed;
       }
     }
     open.addGoal();
@@ -121,16 +129,27 @@ void visit(common::ConfigSection& section, MotionConfig& config) {
                  "1: 0.15 degrees and 0.5 mm at 0.5 m/s, 1 sigma");
 }
 
-Motion planMission(const World& world, MissionKind kind, std::uint64_t seed, double duration_s,
+Motion planMission(const World& world, MissionKind kind, std::uint64_t seed, std::optional<double> duration_s,
                    const MotionConfig& config) {
-  const bool tour = kind == MissionKind::kTour;
-  const Planner plan = kind == MissionKind::kRescue
-                           ? planRescue(world, seed, duration_s, config)
-                           : planGoals(world, tour && world.crossing.has_value(), seed, duration_s, config,
-                                       tour ? "tour" : "flat");
-  const std::vector<common::Pose2> poses = stretch(plan, duration_s);
+  std::vector<common::Pose2> poses;
+  switch (kind) {
+    case MissionKind::kFlat: {
+      const double most = duration_s.value_or(kFlatDuration);
+      poses = stretch(planGoals(world, false, seed, most, config, "flat"), most);
+      break;
+    }
+    case MissionKind::kRescue:
+      poses = stretch(planRescue(world, seed, duration_s, config), duration_s.value_or(kRescueDuration));
+      break;
+    case MissionKind::kTour: {
+      const double most = duration_s.value_or(kTourDuration);
+      poses = stretch(planGoals(world, world.crossing.has_value(), seed, most, config, "tour"), most);
+      break;
+    }
+  }
   if (smallestClearance(world, poses) < kRobotRadius) {
-    throw common::Error("the robot bumps into a wall; motion.turn_rate is too slow for motion.cruise_speed");
+    throw common::Error(
+        "the robot bumps into a wall; arena_sim.motion.turn_rate is too slow for its cruise_speed");
   }
   return Motion(ride(Terrain(world.scene, barriersOf(world)), poses, config, seed));
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/config.h"
@@ -30,9 +31,10 @@ struct MotionConfig {
 
 void visit(common::ConfigSection& section, MotionConfig& config);
 
-/// A drive from the world's origin and back to it that fits into duration_s and leaves little of it. The same
-/// arguments give the same motion. Throws common::Error when not even the shortest one fits.
-Motion planMission(const World& world, MissionKind kind, std::uint64_t seed, double duration_s,
+/// A drive from the world's origin and back to it that fits into duration_s and leaves little of it; without
+/// a duration as long as is usual, longer where the world asks for it. The same arguments give the same
+/// motion. Throws common::Error when not even the shortest one fits.
+Motion planMission(const World& world, MissionKind kind, std::uint64_t seed, std::optional<double> duration_s,
                    const MotionConfig& config);
 
 /// The smallest distance of the body's origin to what stops it over the whole motion, m, seen from above.

@@ -19,9 +19,9 @@ Exposure AutoExposure::exposure() const {
   return {seconds, light_s_ / seconds};
 }
 
-void AutoExposure::follow(double mean_grey, double seconds_to_next) {
+void AutoExposure::follow(double mean_grey, double seconds_until_next) {
   const double wanted = kResponse * std::log(kWantedGrey / std::max(1.0, mean_grey));
-  const double share = 1.0 - std::exp(-seconds_to_next / kLag);
+  const double share = 1.0 - std::exp(-seconds_until_next / kLag);
   light_s_ = std::clamp(light_s_ * std::exp(share * wanted), kShortest, longest_s_ * gain_limit_);
 }
 

@@ -17,7 +17,7 @@ class AutoExposure {
   Exposure exposure() const;
 
   /// The mean grey value (0 .. 255) of the picture that was taken with exposure(), and the time to the next.
-  void follow(double mean_grey, double seconds_to_next);
+  void follow(double mean_grey, double seconds_until_next);
 
  private:
   const double longest_s_;

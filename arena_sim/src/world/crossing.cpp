@@ -131,14 +131,15 @@ double CrossingPlan::stairsHeight(double x) const {
 CrossingPlan drawCrossing(const WorldConfig& config, Random& random) {
   const auto draw = [&](const std::vector<double>& range, const char* key) {
     if (range[0] > range[1]) {
-      throw common::Error(
-          fmt::format("world.{}: [{}, {}] runs backwards; put the smaller first", key, range[0], range[1]));
+      throw common::Error(fmt::format("arena_sim.world.{}: [{}, {}] runs backwards; put the smaller first",
+                                      key, range[0], range[1]));
     }
     return random.uniform(range[0], range[1]);
   };
   if (config.ramp_angle[1] > kSteepestRamp) {
-    throw common::Error(fmt::format("world.ramp_angle: {} degrees is steeper than the {} this robot climbs",
-                                    config.ramp_angle[1], kSteepestRamp));
+    throw common::Error(
+        fmt::format("arena_sim.world.ramp_angle: {} degrees is steeper than the {} this robot climbs",
+                    config.ramp_angle[1], kSteepestRamp));
   }
   CrossingPlan plan;
   plan.ramp_angle = draw(config.ramp_angle, "ramp_angle") * kDegree;

@@ -253,8 +253,9 @@ FloorPlan drawFloorPlan(const WorldConfig& config, Random& random) {
     throw common::Error(fmt::format(
         "an arena of {:.1f} x {:.1f} m is too small for the crossing: ramp, stairs and platform take {:.1f} "
         "x "
-        "{:.1f} m, {:.1f} m in front of them and {:.1f} m beside; enlarge world.width and world.depth or say "
-        "world.crossing: false",
+        "{:.1f} m, {:.1f} m in front of them and {:.1f} m beside; enlarge arena_sim.world.width and "
+        "arena_sim.world.depth or say "
+        "arena_sim.world.crossing: false",
         width, depth, crossing.length(), crossing.width(), kShortestArea + 0.5, kSmallestStrip));
   }
   const Place place =

@@ -140,8 +140,9 @@ class SignHanger {
       return *place;
     }
     throw common::Error(
-        fmt::format("the arena's walls have no place left for sign {}; lower world.hazard_labels, "
-                    "world.qr_codes or world.april_tags, or enlarge world.width and world.depth",
+        fmt::format("the arena's walls have no place left for sign {}; lower arena_sim.world.hazard_labels, "
+                    "arena_sim.world.qr_codes or arena_sim.world.april_tags, or enlarge "
+                    "arena_sim.world.width and arena_sim.world.depth",
                     hung_.size() + 1));
   }
 

@@ -87,10 +87,10 @@ class VictimBuilder {
     if (const auto place = findPlace(radius)) {
       return *place;
     }
-    throw common::Error(
-        fmt::format("the arena has no free wall for the last of {} victims; lower world.victims or enlarge "
-                    "world.width and world.depth",
-                    site_.config.victims));
+    throw common::Error(fmt::format(
+        "the arena has no free wall for the last of {} victims; lower arena_sim.world.victims or enlarge "
+        "arena_sim.world.width and arena_sim.world.depth",
+        site_.config.victims));
   }
 
   void addBoard(const common::Pose2& box, const Vector3d& centre, const Vector3d& size) {

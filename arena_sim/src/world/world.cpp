@@ -39,13 +39,14 @@ void addExtraWalls(Site& site) {
     constexpr double kShortest = 0.1;
     for (const Vector2d& p : {line.a, line.b}) {
       if (p.minCoeff() < 0.0 || p.x() > site.plan.size.x() || p.y() > site.plan.size.y()) {
-        throw common::Error(fmt::format("world.walls: [{}, {}] is outside of the arena of {:.2f} x {:.2f} m",
-                                        p.x(), p.y(), site.plan.size.x(), site.plan.size.y()));
+        throw common::Error(
+            fmt::format("arena_sim.world.walls: [{}, {}] is outside of the arena of {:.2f} x {:.2f} m", p.x(),
+                        p.y(), site.plan.size.x(), site.plan.size.y()));
       }
     }
     if ((line.b - line.a).norm() < kShortest) {
-      throw common::Error(fmt::format("world.walls: the wall from [{}, {}] is shorter than {} m", line.a.x(),
-                                      line.a.y(), kShortest));
+      throw common::Error(fmt::format("arena_sim.world.walls: the wall from [{}, {}] is shorter than {} m",
+                                      line.a.x(), line.a.y(), kShortest));
     }
     site.plan.walls.push_back({line, 0.03, false});
   }
@@ -54,16 +55,17 @@ void addExtraWalls(Site& site) {
 void checkStart(const Site& site) {
   const Vector2d p = site.start.translation();
   if (!roomAt(site.plan, p)) {
-    throw common::Error(fmt::format(
-        "world.start: [{}, {}] is in no room; the arena is {:.2f} x {:.2f} m, its corner is at [0, 0]", p.x(),
-        p.y(), site.plan.size.x(), site.plan.size.y()));
+    throw common::Error(
+        fmt::format("arena_sim.world.start: [{}, {}] is in no room; the arena is {:.2f} x {:.2f} m, its "
+                    "corner is at [0, 0]",
+                    p.x(), p.y(), site.plan.size.x(), site.plan.size.y()));
   }
   const double distance = distanceToWalls(site, p);
   if (distance < kStartClearance) {
-    throw common::Error(
-        fmt::format("world.start: [{}, {}] is {:.2f} m from a wall; the robot needs {} m, move it or say "
-                    "world.start_by_seed: true",
-                    p.x(), p.y(), distance, kStartClearance));
+    throw common::Error(fmt::format(
+        "arena_sim.world.start: [{}, {}] is {:.2f} m from a wall; the robot needs {} m, move it or say "
+        "arena_sim.world.start_by_seed: true",
+        p.x(), p.y(), distance, kStartClearance));
   }
 }
 
@@ -86,8 +88,9 @@ common::Pose2 drawStart(const Site& site, Random& random) {
     }
   }
   throw common::Error(
-      "the arena has no free place for the robot to start; enlarge world.width and world.depth or give "
-      "world.start");
+      "the arena has no free place for the robot to start; enlarge arena_sim.world.width and "
+      "arena_sim.world.depth or give "
+      "arena_sim.world.start");
 }
 
 World inFrameOfStart(Site site) {
