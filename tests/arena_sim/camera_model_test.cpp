@@ -51,6 +51,7 @@ CameraModelConfig plainConfig() {
   config.samples = 16;
   config.vignetting = 0.0;
   config.noise = 0.0;
+  config.contrast = 1.0;
   config.light_change = 0.0;
   config.headlight = 0.02;
   config.gain_limit = 64.0;

@@ -44,7 +44,7 @@ struct CameraModel::Parts {
         seed(seed_in),
         tracer(std::move(tracer_in)),
         rays(Lens(intrinsics), intrinsics.width, intrinsics.height),
-        sensor(intrinsics, config.vignetting, config.noise, seed),
+        sensor(intrinsics, config.vignetting, config.noise, config.contrast, seed),
         light_change(config.light_change, seed),
         auto_exposure(config.exposure, config.gain_limit),
         workers(threads),
@@ -128,6 +128,8 @@ void visit(common::ConfigSection& section, CameraModelConfig& config) {
   section.number("vignetting", config.vignetting, "", 0.0, 2.0,
                  "darker towards the corners; 1 is the fourth power of the cosine");
   section.number("noise", config.noise, "", 0.0, 5.0, "shot and read noise; 1 is a small, cheap sensor");
+  section.number("contrast", config.contrast, "", 0.5, 3.0,
+                 "steepness of the tone curve in the middle; 1 is plain sRGB, cameras set more");
   section.number("headlight", config.headlight, "", 0.0, 100.0, "the robot's lamp, irradiance at 1 m");
   section.number("light_change", config.light_change, "", 0.0, 2.0,
                  "how much the lamps' brightness drifts and jumps, as a share");

@@ -21,6 +21,7 @@ struct CameraModelConfig {
   double readout = 0.0;
   double vignetting = 0.6;
   double noise = 1.0;
+  double contrast = 1.5;
   double headlight = 0.05;
   double light_change = 0.3;
   double texture_budget = 100.0;

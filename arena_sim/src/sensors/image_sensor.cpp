@@ -22,6 +22,14 @@ double srgb(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
+/// An S-shaped tone curve: steeper by `contrast` at the middle grey, flat towards black and white.
+double toned(double value, double contrast) {
+  constexpr double kMiddle = 0.44;
+  const double odds = std::pow(value / kMiddle, contrast) * kMiddle;
+  const double against = std::pow((1.0 - value) / (1.0 - kMiddle), contrast) * (1.0 - kMiddle);
+  return odds / (odds + against);
+}
+
 Array4f blurred(const Array4f& before, const Array4f& here, const Array4f& after) {
   return here + kNeighbour * (before - 2.0F * here + after);
 }
@@ -29,7 +37,7 @@ Array4f blurred(const Array4f& before, const Array4f& here, const Array4f& after
 }  // namespace
 
 ImageSensor::ImageSensor(const common::RobotConfig::Intrinsics& intrinsics, double vignetting, double noise,
-                         std::uint64_t seed)
+                         double contrast, std::uint64_t seed)
     : noise_(noise), seed_(seed) {
   for (int y = 0; y < intrinsics.height; ++y) {
     for (int x = 0; x < intrinsics.width; ++x) {
@@ -45,8 +53,8 @@ ImageSensor::ImageSensor(const common::RobotConfig::Intrinsics& intrinsics, doub
     gauss_.push_back(gauss(random));
   }
   for (int i = 0; i <= kResponseSteps; ++i) {
-    response_.push_back(
-        static_cast<std::uint8_t>(std::lround(255.0 * srgb(static_cast<double>(i) / kResponseSteps))));
+    const double value = std::min(1.0, srgb(static_cast<double>(i) / kResponseSteps));
+    response_.push_back(static_cast<std::uint8_t>(std::lround(255.0 * toned(value, contrast))));
   }
 }
 

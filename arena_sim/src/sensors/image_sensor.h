@@ -12,15 +12,17 @@
 
 namespace rubble::arena_sim {
 
-/// From light to grey values: lens blur, vignetting, shot and read noise, clipping and the sRGB curve.
+/// From light to grey values: lens blur, vignetting, shot and read noise, clipping, the sRGB curve and
+/// contrast.
 class ImageSensor {
  public:
   /// Radiance 1 fills a pixel in this time (s) at gain 1.
   static constexpr double kFullAfter = 0.006;
 
-  /// `vignetting` 1: cos^4 of the angle to the axis (pinhole). `noise` 1: a small, cheap sensor.
+  /// `vignetting` 1: cos^4 of the angle to the axis (pinhole). `noise` 1: a small, cheap sensor. `contrast`
+  /// 1: plain sRGB.
   ImageSensor(const common::RobotConfig::Intrinsics& intrinsics, double vignetting, double noise,
-              std::uint64_t seed);
+              double contrast, std::uint64_t seed);
 
   /// The picture (8UC3) that `radiance` leaves. The noise is that of frame number `frame`.
   cv::Mat develop(const Radiance& radiance, const Exposure& exposure, std::uint64_t frame,
