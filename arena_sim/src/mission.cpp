@@ -118,6 +118,9 @@ void writeMission(const MissionOptions& options, const common::Config& config, c
   const std::string robot_yaml = common::Config().describe<common::RobotConfig>("robot", robot);
   const std::string scenario_yaml = config.describe<ArenaSimConfig>("arena_sim");
   createFolder(out);
+  for (const char* name : {"mission.lcm", "preview.png", "top_view.png", "truth"}) {
+    fs::remove_all(out / name);  // Of an earlier mission.
+  }
 
   const MissionCache cache(
       options.cache, fmt::format("{} {} {} {} {} {}\n{}{}", kOutputVersion, options.kind, options.seed,
