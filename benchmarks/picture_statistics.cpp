@@ -161,8 +161,9 @@ class Statistics {
     for (const double n : gradients_) {
       histogram += fmt::format("{}{:.0f}", histogram.empty() ? "" : " / ", 100.0 * n / pixels);
     }
-    return fmt::format("| {} | {} | {} | {} | {} | {} | {} |", name, corners_.size(), spread(corners_, 0),
-                       histogram, spread(sharpness_, 2), matched_.empty() ? "-" : spread(matched_, 2),
+    return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |", name, corners_.size(),
+                       spread(corners_, 0), histogram, spread(strong_, 1), spread(sharpness_, 2),
+                       matched_.empty() ? "-" : spread(matched_, 2),
                        pairs_ == 0 ? "-" : fmt::format("{:.3f}", static_cast<double>(tracked_) / pairs_));
   }
 
@@ -182,10 +183,13 @@ class Statistics {
     cv::Sobel(grey, dy, CV_32F, 0, 1, 3, 1.0 / 8.0);
     cv::Mat magnitude;
     cv::magnitude(dx, dy, magnitude);
+    int strong = 0;
     for (const float g : cv::Mat_<float>(magnitude)) {
+      strong += g >= kStrong ? 1 : 0;
       const auto bin = std::upper_bound(kBins.begin(), kBins.end(), g) - kBins.begin();
       gradients_[static_cast<std::size_t>(bin)] += 1.0;
     }
+    strong_.push_back(100.0 * strong / static_cast<double>(magnitude.total()));
   }
 
   /// Share of what is finer than 4 pixels that is finer than 1: falls with blur, not with contrast.
@@ -266,11 +270,13 @@ class Statistics {
   }
 
   static constexpr std::array<float, 5> kBins{1.0F, 3.0F, 8.0F, 20.0F, 50.0F};
+  static constexpr float kStrong = 20.0F;
 
   const Source& source_;
   const cv::Ptr<cv::ORB> orb_ = cv::ORB::create(1000);
   std::vector<double> corners_;
   std::array<double, kBins.size() + 1> gradients_{};
+  std::vector<double> strong_;
   std::vector<double> sharpness_;
   std::vector<double> matched_;
   int pairs_ = 0;
