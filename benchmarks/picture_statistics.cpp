@@ -296,9 +296,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     fmt::print(
-        "| source | pictures | FAST corners | gradient % < 1 / < 3 / < 8 / < 20 / < 50 / more | sharpness | "
-        "ORB "
-        "matched to next | pairs tracked |\n|---|---|---|---|---|---|---|\n");
+        "| source | pictures | FAST corners | gradient % < 1 / < 3 / < 8 / < 20 / < 50 / more | >= 20 % | "
+        "sharpness | ORB matched to next | pairs tracked |\n|---|---|---|---|---|---|---|---|\n");
     for (const std::string& path : paths) {
       const Source source = open(path);
       Statistics statistics(source);
