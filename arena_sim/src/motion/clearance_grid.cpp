@@ -23,12 +23,9 @@ constexpr double kEnd = std::numeric_limits<double>::infinity();
 }  // namespace
 
 ClearanceGrid::ClearanceGrid(const std::vector<Segment>& segments) {
-  lower_ = segments.front().a;
-  Vector2d upper = lower_;
-  for (const Segment& s : segments) {
-    lower_ = lower_.cwiseMin(s.a).cwiseMin(s.b);
-    upper = upper.cwiseMax(s.a).cwiseMax(s.b);
-  }
+  const Eigen::AlignedBox2d bounds = boundsOf(segments);
+  lower_ = bounds.min();
+  const Vector2d upper = bounds.max();
   width_ = 1 + static_cast<int>((upper.x() - lower_.x()) / kCellSize);
   height_ = 1 + static_cast<int>((upper.y() - lower_.y()) / kCellSize);
   clearance_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));

@@ -5,7 +5,7 @@
 namespace rubble::arena_sim {
 
 Shutter::Shutter(double seconds, double exposure, double readout, int rows, int samples,
-                 const std::function<common::Pose3(double)>& T_world_camera)
+                 const PoseAt& T_world_camera)
     : parts_(samples + 1), rows_(readout > 0.0 ? rows : 1) {
   for (int row = 0; row < rows_; ++row) {
     const double middle =

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <vector>
 
-#include "common/geometry.h"
+#include "sensors/pose_at.h"
 
 namespace rubble::arena_sim {
 
@@ -17,7 +16,7 @@ class Shutter {
 
   /// Row r is exposed for `exposure` s around seconds + readout * (r / rows - 0.5).
   Shutter(double seconds, double exposure, double readout, int rows, int samples,
-          const std::function<common::Pose3(double)>& T_world_camera);
+          const PoseAt& T_world_camera);
 
   /// samples + 1 poses; any row may be asked for, those below the picture are its last.
   const Pose* row(int row) const;

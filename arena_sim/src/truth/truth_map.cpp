@@ -30,13 +30,9 @@ void sampleLine(const Vector2d& a, const Vector2d& b, double spacing, const Visi
 }  // namespace
 
 TruthMap::TruthMap(const std::vector<Segment>& walls) {
-  lower_ = walls.front().a;
-  Vector2d upper = lower_;
-  for (const Segment& wall : walls) {
-    lower_ = lower_.cwiseMin(wall.a).cwiseMin(wall.b);
-    upper = upper.cwiseMax(wall.a).cwiseMax(wall.b);
-  }
-  lower_ = ((lower_.array() - kMargin) / kCellSize).floor() * kCellSize;
+  const Eigen::AlignedBox2d bounds = boundsOf(walls);
+  const Vector2d upper = bounds.max();
+  lower_ = ((bounds.min().array() - kMargin) / kCellSize).floor() * kCellSize;
   width_ = static_cast<int>(std::ceil((upper.x() + kMargin - lower_.x()) / kCellSize));
   height_ = static_cast<int>(std::ceil((upper.y() + kMargin - lower_.y()) / kCellSize));
   const auto cells = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);

@@ -20,20 +20,12 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The arena's walls at this height, without the hall around.
 std::vector<Segment> wallsOf(const World& world, double z) {
-  Eigen::Vector2d low = world.obstacles.front().a;
-  Eigen::Vector2d high = low;
-  for (const Segment& s : world.obstacles) {
-    low = low.cwiseMin(s.a).cwiseMin(s.b);
-    high = high.cwiseMax(s.a).cwiseMax(s.b);
-  }
   constexpr double kMargin = 0.1;
-  low.array() -= kMargin;
-  high.array() += kMargin;
-  const auto is_inside = [&](const Eigen::Vector2d& p) {
-    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
-  };
+  Eigen::AlignedBox2d arena = boundsOf(world.obstacles);
+  arena.min().array() -= kMargin;
+  arena.max().array() += kMargin;
   std::vector<Segment> walls = sliceAt(world.scene, z);
-  std::erase_if(walls, [&](const Segment& s) { return !is_inside(s.a) || !is_inside(s.b); });
+  std::erase_if(walls, [&](const Segment& s) { return !arena.contains(s.a) || !arena.contains(s.b); });
   return walls;
 }
 

@@ -19,6 +19,14 @@ double distanceTo(const Segment& segment, const Vector2d& p) {
   return (p - segment.a - t * along).norm();
 }
 
+Eigen::AlignedBox2d boundsOf(const std::vector<Segment>& segments) {
+  Eigen::AlignedBox2d bounds;
+  for (const Segment& segment : segments) {
+    bounds.extend(segment.a).extend(segment.b);
+  }
+  return bounds;
+}
+
 double areaOf(const Polygon& polygon) {
   double twice = 0.0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {

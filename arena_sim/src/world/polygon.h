@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct Segment {
 };
 
 double distanceTo(const Segment& segment, const Eigen::Vector2d& p);
+
+/// The upright rectangle around all of them.
+Eigen::AlignedBox2d boundsOf(const std::vector<Segment>& segments);
 
 /// Convex, counter-clockwise corners.
 using Polygon = std::vector<Eigen::Vector2d>;
