@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "map/map.h"
+
+namespace rubble::slam_mono {
+
+/// A bundle adjustment as values, apart from the map: made from one map, solved anywhere, applied to a later
+/// one.
+struct BundleProblem {
+  struct Residual {
+    std::size_t keyframe = 0;  ///< index
+    std::size_t point = 0;     ///< index
+    Observation observation;
+    Eigen::Vector2d pixel;
+    double sigma = 1.0;  ///< pixels
+  };
+  std::vector<KeyframeId> keyframes;
+  std::vector<common::Pose3> T_camera_mono;  ///< start, then result; same order
+  std::vector<bool> fixed;                   ///< keyframes that don't move
+  std::vector<PointId> points;
+  std::vector<Eigen::Vector3d> p_mono_point;  ///< start, then result
+  std::vector<Residual> residuals;
+  std::vector<std::size_t> outliers;  ///< result: residuals beyond kChi2Two or behind the camera
+};
+
+/// The keyframes that move with the points they see, and `fixed` ones that hold them.
+BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
+                         std::span<const KeyframeId> fixed, const OctaveScales& scales);
+
+/// Minimises the Huber-weighted reprojection error with Ceres, points eliminated by the Schur complement.
+/// Deterministic.
+void solveBundle(const Camera& camera, BundleProblem& problem, int iterations,
+                 const std::atomic<bool>* stop = nullptr);
+
+/// Writes poses and points back, erases the outliers' observations, refreshes the points.
+void applyBundle(Map& map, const BundleProblem& problem, const OctaveScales& scales);
+
+}  // namespace rubble::slam_mono
