@@ -23,7 +23,7 @@ void GridMap::write(const common::Pose2& T_world_lidar, std::span<const RayEnd> 
   }
 }
 
-void GridMap::save(ByteWriter& out) const {
+void GridMap::save(common::ByteWriter& out) const {
   out.put(revision_);
   out.put(static_cast<std::uint64_t>(levels_.size()));
   for (const TiledGrid& level : levels_) {
@@ -31,10 +31,10 @@ void GridMap::save(ByteWriter& out) const {
   }
 }
 
-void GridMap::load(ByteReader& in) {
+void GridMap::load(common::ByteReader& in) {
   revision_ = in.get<std::uint64_t>();
   if (in.get<std::uint64_t>() != levels_.size()) {
-    throw common::Error("LiDAR SLAM state: its map has another number of levels than the configuration");
+    in.fail("its map has another number of levels than the configuration");
   }
   for (TiledGrid& level : levels_) {
     level.load(in);

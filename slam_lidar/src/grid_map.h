@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "checkpoint.h"
+#include "common/byte_stream.h"
 #include "scan_writer.h"
 
 namespace rubble::slam_lidar {
@@ -22,9 +22,9 @@ class GridMap {
   std::uint64_t revision() const { return revision_; }
   bool empty() const { return revision_ == 0; }
 
-  void save(ByteWriter& out) const;
+  void save(common::ByteWriter& out) const;
   /// Into an empty map. Throws common::Error for another geometry.
-  void load(ByteReader& in);
+  void load(common::ByteReader& in);
 
  private:
   std::vector<TiledGrid> levels_;

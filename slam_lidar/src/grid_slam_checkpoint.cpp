@@ -4,8 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "checkpoint.h"
-#include "common/error.h"
+#include "common/byte_stream.h"
 #include "common/files.h"
 #include "grid_slam_state.h"
 
@@ -18,7 +17,7 @@ constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
 }  // namespace
 
 std::vector<std::uint8_t> GridSlam::serialise() const {
-  ByteWriter out;
+  common::ByteWriter out;
   out.put(kMagic);
   const Tracking& t = state_->tracking;
   out.put(t.utime.has_value());
@@ -50,17 +49,17 @@ std::vector<std::uint8_t> GridSlam::serialise() const {
 }
 
 GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::uint8_t> bytes) {
-  ByteReader in(bytes);
+  common::ByteReader in(bytes, "LiDAR SLAM state");
   if (in.get<std::array<char, 8>>() != kMagic) {
-    throw common::Error("LiDAR SLAM state: not a state, or one of another version");
+    in.fail("not a state, or one of another version");
   }
   std::uint32_t crc = 0;
   if (in.left() < sizeof crc) {
-    throw common::Error("LiDAR SLAM state: truncated");
+    in.fail("truncated");
   }
   std::memcpy(&crc, bytes.data() + bytes.size() - sizeof crc, sizeof crc);
   if (crc != common::crc32(bytes.first(bytes.size() - sizeof crc))) {
-    throw common::Error("LiDAR SLAM state: damaged, its checksum is wrong");
+    in.fail("damaged, its checksum is wrong");
   }
   auto state = std::make_unique<State>(config);
   Tracking& t = state->tracking;
@@ -90,7 +89,7 @@ GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::ui
     }
   }
   if (in.left() != sizeof crc) {
-    throw common::Error("LiDAR SLAM state: there is more than belongs to it");
+    in.fail("there is more than belongs to it");
   }
   return GridSlam(std::move(state));
 }

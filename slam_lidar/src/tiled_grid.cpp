@@ -204,7 +204,7 @@ void TiledGrid::rebuildQuads() {
   }
 }
 
-void TiledGrid::save(ByteWriter& out) const {
+void TiledGrid::save(common::ByteWriter& out) const {
   out.put(cell_size_);
   out.put(window_tile_x_);
   out.put(window_tile_y_);
@@ -221,9 +221,9 @@ void TiledGrid::save(ByteWriter& out) const {
   }
 }
 
-void TiledGrid::load(ByteReader& in) {
+void TiledGrid::load(common::ByteReader& in) {
   if (in.get<double>() != cell_size_) {
-    throw common::Error("LiDAR SLAM state: its map has another cell size than the configuration");
+    in.fail("its map has another cell size than the configuration");
   }
   window_tile_x_ = in.get<std::int32_t>();
   window_tile_y_ = in.get<std::int32_t>();
@@ -236,7 +236,7 @@ void TiledGrid::load(ByteReader& in) {
     const auto x = in.get<std::int32_t>();
     const auto y = in.get<std::int32_t>();
     if (!tiles_.emplace(TileKey{y, x}, static_cast<std::int32_t>(slot)).second) {
-      throw common::Error("LiDAR SLAM state: a tile of the map is there twice");
+      in.fail("a tile of the map is there twice");
     }
     revisions_[slot] = in.get<std::uint64_t>();
     for (std::size_t i = slot * kTileArea; i < (slot + 1) * kTileArea; ++i) {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "checkpoint.h"
+#include "common/byte_stream.h"
 
 namespace rubble::slam_lidar {
 
@@ -62,9 +62,9 @@ class TiledGrid {
   /// Revision in which a cell of the tile last changed, 0 for a mere border.
   std::uint64_t tileRevision(std::int32_t slot) const { return revisions_[static_cast<std::size_t>(slot)]; }
   std::span<const Cell> tileCells(std::int32_t slot) const;
-  void save(ByteWriter& out) const;
+  void save(common::ByteWriter& out) const;
   /// Into an empty grid. Throws common::Error for a different cell size or impossible content.
-  void load(ByteReader& in);
+  void load(common::ByteReader& in);
 
   static std::uint8_t occupancyByte(std::int16_t log_odds);
   /// 0 unknown, else the occupancy probability (value - 1) / 254: what leaves this component.

@@ -9,10 +9,12 @@ void visit(common::ConfigSection& section, MonoSlamConfig& config) {
   orb.number("scale_factor", config.orb.scale_factor, "", 1.05, 2.0, "from one pyramid level to the next");
   orb.integer("levels", config.orb.levels, "", 1, 12, "of the pyramid");
   orb.integer("threshold", config.orb.threshold, "grey levels", 2, 100, "of FAST, tried first in every cell");
-  orb.integer("min_threshold", config.orb.min_threshold, "grey levels", 2, 100, "of FAST in cells without a corner");
+  orb.integer("min_threshold", config.orb.min_threshold, "grey levels", 2, 100,
+              "of FAST in cells without a corner");
 
   auto& start = section.section("start", "two views that begin a map");
-  start.integer("min_matches", config.start.min_matches, "", 20, 1000, "between both views; fewer begin anew");
+  start.integer("min_matches", config.start.min_matches, "", 20, 1000,
+                "between both views; fewer begin anew");
   start.integer("min_points", config.start.min_points, "", 10, 1000, "triangulated");
   start.number("min_parallax", config.start.min_parallax, "rad", 0.002, 0.5, "median over the points");
 
@@ -32,8 +34,10 @@ void visit(common::ConfigSection& section, MonoSlamConfig& config) {
                   "of being lost until another map may begin");
 
   auto& mapping = section.section("mapping", "keyframes to map points");
-  mapping.integer("neighbours", config.mapping.neighbours, "", 1, 100, "keyframes that new points are made with");
-  mapping.integer("window", config.mapping.window, "", 2, 100, "keyframes that local bundle adjustment moves");
+  mapping.integer("neighbours", config.mapping.neighbours, "", 1, 100,
+                  "keyframes that new points are made with");
+  mapping.integer("window", config.mapping.window, "", 2, 100,
+                  "keyframes that local bundle adjustment moves");
   mapping.integer("fixed", config.mapping.fixed, "", 2, 200, "keyframes that hold the window in place");
   mapping.integer("iterations", config.mapping.iterations, "", 1, 100, "of local bundle adjustment");
   mapping.number("redundant_share", config.mapping.redundant_share, "", 0.5, 1.0,
@@ -41,7 +45,8 @@ void visit(common::ConfigSection& section, MonoSlamConfig& config) {
 
   auto& loop = section.section("loop", "places seen again");
   loop.flag("enabled", config.loop.enabled, "close loops and merge maps");
-  loop.integer("min_votes", config.loop.min_votes, "", 3, 1000, "of 300 features for a place to be looked at");
+  loop.integer("min_votes", config.loop.min_votes, "", 3, 1000,
+               "of 300 features for a place to be looked at");
   loop.integer("min_inliers", config.loop.min_inliers, "", 8, 500, "of the first similarity");
   loop.integer("min_matches", config.loop.min_matches, "", 10, 1000, "map points in common in the end");
   loop.integer("confirmations", config.loop.confirmations, "", 1, 20, "keyframes that have to say the same");

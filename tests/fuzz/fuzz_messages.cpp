@@ -12,8 +12,10 @@
 #include <rubble/lidar_control_t.hpp>
 #include <rubble/lidar_pose_t.hpp>
 #include <rubble/mono_features_t.hpp>
+#include <rubble/mono_map_t.hpp>
 #include <rubble/mono_pose_t.hpp>
 #include <rubble/odometry_t.hpp>
+#include <rubble/revisit_request_t.hpp>
 #include <rubble/robot_pose_t.hpp>
 #include <rubble/stabilizer_command_t.hpp>
 #include <rubble/stabilizer_t.hpp>
@@ -44,7 +46,8 @@ constexpr std::array kDecoders = {decodeOne<bot_core::image_t>, decodeOne<bot_co
                                   decodeOne<grid_map_t>,        decodeOne<ground_truth_t>,
                                   decodeOne<health_t>,          decodeOne<lidar_control_t>,
                                   decodeOne<lidar_pose_t>,      decodeOne<mono_features_t>,
-                                  decodeOne<mono_pose_t>,       decodeOne<odometry_t>,
+                                  decodeOne<mono_map_t>,        decodeOne<mono_pose_t>,
+                                  decodeOne<odometry_t>,        decodeOne<revisit_request_t>,
                                   decodeOne<robot_pose_t>,      decodeOne<stabilizer_command_t>,
                                   decodeOne<stabilizer_t>};
 

@@ -204,6 +204,72 @@ rubble::mono_features_t sample() {
 }
 
 template <>
+rubble::mono_frame_t sample() {
+  rubble::mono_frame_t m;
+  m.utime = kUtime;
+  m.keyframe_id = 31;
+  m.keyframe_scale = 1.25;
+  fill(m.p_keyframe_camera);
+  fill(m.q_keyframe_camera);
+  return m;
+}
+
+template <>
+rubble::mono_keyframe_t sample() {
+  rubble::mono_keyframe_t m;
+  m.utime = kUtime;
+  m.id = 32;
+  m.map_id = 2;
+  m.scale = 0.75;
+  fill(m.p_mono_camera);
+  fill(m.q_mono_camera);
+  m.parent = -1;
+  return m;
+}
+
+template <>
+rubble::mono_map_point_t sample() {
+  rubble::mono_map_point_t m;
+  m.id = 1'000'000'000'000;
+  m.map_id = 2;
+  std::iota(std::begin(m.p_mono_point), std::end(m.p_mono_point), -1.5F);
+  return m;
+}
+
+template <>
+rubble::mono_removed_keyframe_t sample() {
+  rubble::mono_removed_keyframe_t m;
+  m.id = 33;
+  m.map_id = 2;
+  m.parent = 32;
+  m.parent_scale = 1.5;
+  fill(m.p_parent_camera);
+  fill(m.q_parent_camera);
+  m.scale = 2.5;
+  return m;
+}
+
+template <>
+rubble::mono_map_t sample() {
+  rubble::mono_map_t m;
+  m.utime = kUtime;
+  m.revision = 4;
+  m.map_keyframes = 30;
+  m.map_points = 2000;
+  m.keyframes = {sample<rubble::mono_keyframe_t>(), sample<rubble::mono_keyframe_t>()};
+  m.nkeyframes = 2;
+  m.removed = {sample<rubble::mono_removed_keyframe_t>()};
+  m.nremoved = 1;
+  m.frames = {sample<rubble::mono_frame_t>(), sample<rubble::mono_frame_t>()};
+  m.nframes = 2;
+  m.points = {sample<rubble::mono_map_point_t>()};
+  m.npoints = 1;
+  m.erased_points = {7, 8, 9};
+  m.nerased = 3;
+  return m;
+}
+
+template <>
 rubble::mono_pose_t sample() {
   rubble::mono_pose_t m;
   m.utime = kUtime;
@@ -223,6 +289,16 @@ rubble::odometry_t sample() {
   m.utime = kUtime;
   fill(m.p_odom_body);
   fill(m.q_odom_body);
+  return m;
+}
+
+template <>
+rubble::revisit_request_t sample() {
+  rubble::revisit_request_t m;
+  m.utime = kUtime;
+  m.map_id = 2;
+  m.keyframes = {sample<rubble::mono_keyframe_t>()};
+  m.n = 1;
   return m;
 }
 

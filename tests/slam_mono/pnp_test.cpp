@@ -29,9 +29,9 @@ struct Deviation {
   double position = 0.0;
   double angle = 0.0;
 
-  void add(const common::Pose3& T_found, const common::Pose3& T) {
-    position = std::max(position, (centreOf(T_found) - centreOf(T)).norm());
-    angle = std::max(angle, rotationError(T_found, T));
+  void add(const common::Pose3& found, const common::Pose3& T) {
+    position = std::max(position, (centreOf(found) - centreOf(T)).norm());
+    angle = std::max(angle, rotationError(found, T));
   }
 };
 

@@ -54,7 +54,6 @@ struct Tally {
   int planar = 0;
   double worst_direction = 0.0;
   double worst_rotation = 0.0;
-  double parallax = 0.0;
 };
 
 Tally run(const Camera& camera, const Case& test, int seeds, std::uint64_t first_seed = 1) {
@@ -81,12 +80,7 @@ Tally run(const Camera& camera, const Case& test, int seeds, std::uint64_t first
     tally.worst_rotation = std::max(tally.worst_rotation, rotation);
     tally.wrong += direction > 0.15 || rotation > 0.15 ? 1 : 0;
     tally.planar += result->planar ? 1 : 0;
-    tally.parallax += result->parallax;
   }
-  std::printf(
-      "    found %d of %d, wrong %d, planar %d, direction %.4f rad, rotation %.4f rad, parallax %.4f\n",
-      tally.found, seeds, tally.wrong, tally.planar, tally.worst_direction, tally.worst_rotation,
-      tally.parallax / std::max(1, tally.found));
   return tally;
 }
 
@@ -119,6 +113,7 @@ TEST(TwoViewTest, SidewaysBeforeBoxes) {
     const Tally tally = run(camera, {seenFrom({0.4, 0.05, 0.0}, {0.02, -0.05, 0.03})}, 60);
     EXPECT_GE(tally.found, 58);
     EXPECT_EQ(tally.wrong, 0);
+    EXPECT_LT(tally.worst_rotation, 0.02);
     EXPECT_EQ(tally.planar, 0);
   }
 }
@@ -126,8 +121,10 @@ TEST(TwoViewTest, SidewaysBeforeBoxes) {
 TEST(TwoViewTest, ForwardsBetweenBoxes) {
   for (const Camera& camera : {arenaCamera(), fisheyeCamera()}) {
     const Tally tally = run(camera, {seenFrom({0.05, 0.0, 0.7}, {0.02, 0.04, 0.0})}, 60);
-    EXPECT_GE(tally.found, 50);
+    EXPECT_GE(tally.found, 56);
     EXPECT_EQ(tally.wrong, 0);
+    EXPECT_LT(tally.worst_direction, 0.1);
+    EXPECT_LT(tally.worst_rotation, 0.03);
   }
 }
 
@@ -135,7 +132,7 @@ TEST(TwoViewTest, SidewaysOverASlope) {
   const Tally tally = run(arenaCamera(), {seenFrom({0.4, 0.0, 0.1}, {0.0, 0.05, 0.02}), slope}, 60);
   EXPECT_GE(tally.found, 40);
   EXPECT_EQ(tally.wrong, 0);
-  EXPECT_EQ(tally.planar, tally.found);
+  EXPECT_GE(tally.planar, tally.found - 3);
 }
 
 TEST(TwoViewTest, SidewaysBeforeAWall) {
@@ -151,18 +148,26 @@ TEST(TwoViewTest, ForwardsToAWallIsRightOrRefused) {
 }
 
 TEST(TwoViewTest, ATurnIsNeverAStart) {
+  struct Turn {
+    double angle, outlier_share, noise;
+  };
   for (const Camera& camera : {arenaCamera(), fisheyeCamera()}) {
-    for (const double angle : {0.02, 0.1, 0.3}) {
-      for (const double outliers : {0.0, 0.3, 0.45}) {
-        for (const double noise : {0.5, 1.0, 1.5}) {
-          Case test{Dice::rigid({}, {0.1 * angle, angle, 0.1 * angle})};
-          test.T_b_a.translation().setZero();
-          test.outlier_share = outliers;
-          test.noise = noise;
-          EXPECT_EQ(run(camera, test, 100).found, 0) << angle << " " << outliers << " " << noise;
-        }
-      }
+    for (const Turn& turn :
+         {Turn{0.02, 0.0, 1.0}, Turn{0.02, 0.3, 1.0}, Turn{0.1, 0.3, 0.5}, Turn{0.1, 0.3, 1.5},
+          Turn{0.3, 0.0, 1.0}, Turn{0.3, 0.3, 1.0}, Turn{0.3, 0.45, 1.0}}) {
+      Case test{Dice::rigid(Eigen::Vector3d::Zero(), {0.1 * turn.angle, turn.angle, 0.1 * turn.angle})};
+      test.outlier_share = turn.outlier_share;
+      test.noise = turn.noise;
+      EXPECT_EQ(run(camera, test, 100).found, 0)
+          << turn.angle << " " << turn.outlier_share << " " << turn.noise;
     }
+  }
+}
+
+TEST(TwoViewTest, AHandsBreadthInATurnIsRightOrRefused) {
+  // Parallax of a few pixels only: 1 to 10 cm aside of boxes 2 to 7 m away.
+  for (const double aside : {0.01, 0.03, 0.06, 0.1}) {
+    EXPECT_EQ(run(arenaCamera(), {seenFrom({aside, 0.0, 0.0}, {0.0, 0.15, 0.0})}, 60).wrong, 0) << aside;
   }
 }
 
@@ -203,8 +208,6 @@ TEST(TwoViewTest, PointsLieWhereTheyAre) {
   test.outlier_share = 0.0;
   test.noise = 0.0;
   Dice dice(9);
-  std::vector<double> depths;
-  test.scene = [&](const Eigen::Vector3d&, Dice& d) { return d.uniform(2.0, 7.0); };
   const auto matches = match(camera, test, dice);
   const auto result = reconstructTwoViews(camera, matches, {});
   ASSERT_TRUE(result);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "lcm_io/log_file.h"
 #include "support/child_process.h"
 #include "support/lcm_url.h"
+#include "support/recordings.h"
 #include "support/shell.h"
 #include "support/temp_dir.h"
 #include "support/wait_until.h"
@@ -147,6 +149,33 @@ TEST_F(LiveTest, KilledGridSlamComesBackWithItsMap) {
   const common::StampedPose live = common::readTum(path("killed/trajectory_lidar.tum")).back();
   const common::StampedPose replayed = common::readTum(path("replayed/trajectory_lidar.tum")).back();
   EXPECT_LT((live.T_a_b.translation() - replayed.T_a_b.translation()).norm(), 0.05);
+}
+
+TEST_F(LiveTest, MonocularSlamFollowsTheCameraAndTheConsolesLogHoldsItsPath) {
+  RUBBLE_NEEDS_MULTICAST();
+  RUBBLE_NEEDS_RECORDINGS(data);
+  const std::filesystem::path folder = data / "mono" / "euroc_v101_90";
+  const auto imported =
+      test::shell(kBin + "rubble import tum " + folder.string() + " --out " + path("euroc.lcm"));
+  ASSERT_EQ(imported.status, 0) << imported.output;
+  const auto console = startConsole("log_mono");
+  const auto slam = start("rubble-slam-mono");
+  const auto played = play(path("euroc.lcm"), "slam_mono,ops_console");
+  ASSERT_EQ(played.status, 0) << played.output;
+  EXPECT_EQ(terminate(*slam), 0);
+  EXPECT_EQ(terminate(*console), 0);
+
+  const auto exported =
+      test::shell(kBin + "rubble export results " + onlyLog("log_mono") + " --out " + path("live_mono"));
+  ASSERT_EQ(exported.status, 0) << exported.output;
+  const auto csv = common::readFile(path("live_mono/poses.csv"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 90) << "a pose for every picture";
+  const auto ate = test::shell(kBin + "rubble eval ate " + path("live_mono/trajectory_mono_final.tum") + " " +
+                               (folder / "groundtruth.txt").string() + " --align sim3 --json");
+  ASSERT_EQ(ate.status, 0) << ate.output;
+  const auto json = nlohmann::json::parse(ate.output);
+  EXPECT_GE(json.at("poses").get<int>(), 70) << ate.output;
+  EXPECT_LT(json.at("translation_rmse_m").get<double>(), 0.02) << ate.output;
 }
 
 }  // namespace

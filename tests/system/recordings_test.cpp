@@ -10,8 +10,8 @@
 #include "support/shell.h"
 #include "support/temp_dir.h"
 
-// Grid SLAM on the real recordings, whole logs, through the command line. The bars are the issue's; the
-// figures reached stand in docs/slam_lidar.md.
+// SLAM on the real recordings, whole logs, through the command line. The bars are the issue's; the figures
+// reached stand in docs/slam_lidar.md.
 
 namespace rubble {
 namespace {
@@ -55,6 +55,26 @@ TEST_P(RelationsTest, StaysWithinTheBar) {
 INSTANTIATE_TEST_SUITE_P(Recordings, RelationsTest,
                          testing::Values(Case{"fr079", true, 0.040, 0.035}, Case{"fr079", false, 0.10, 0.10},
                                          Case{"aces", true, 0.45, 0.035}, Case{"aces", false, 1.0, 1.0}));
+
+TEST(MonoRecordingsTest, EurocIsTrackedWithinTheBar) {
+  RUBBLE_NEEDS_RECORDINGS(data);
+  const std::filesystem::path folder = data / "mono" / "euroc_v101_90";
+  const test::TempDir dir;
+  const std::string log = dir.path() / "log.lcm";
+  const std::string out = dir.path() / "out";
+  const auto imported = test::shell(kRubble + " import tum " + folder.string() + " --out " + log);
+  ASSERT_EQ(imported.status, 0) << imported.output;
+  const auto replayed = test::shell(kRubble + " replay " + log + " --out " + out);
+  ASSERT_EQ(replayed.status, 0) << replayed.output;
+  for (const char* file : {"trajectory_mono.tum", "trajectory_mono_final.tum"}) {
+    const auto evaluated = test::shell(kRubble + " eval ate " + out + "/" + file + " " +
+                                       (folder / "groundtruth.txt").string() + " --align sim3 --json");
+    ASSERT_EQ(evaluated.status, 0) << evaluated.output;
+    const auto json = nlohmann::json::parse(evaluated.output);
+    EXPECT_LE(json.at("translation_rmse_m").get<double>(), 0.02) << file;
+    EXPECT_GE(json.at("poses").get<int>(), 70) << file;
+  }
+}
 
 }  // namespace
 }  // namespace rubble

@@ -32,8 +32,9 @@ class ReplayTest : public testing::Test {
     return test::shell(kRubble + " replay " + path(log) + " --out " + path(out) + " " + more);
   }
   static void expectSameFiles(const std::string& a, const std::string& b) {
-    for (const char* file : {"trajectory_lidar.tum", "trajectory_lidar_final.tum", "poses.csv", "map_0.pgm",
-                             "map_0.yaml", "map_0.png", "health.json"}) {
+    for (const char* file :
+         {"trajectory_lidar.tum", "trajectory_lidar_final.tum", "trajectory_mono.tum",
+          "trajectory_mono_final.tum", "poses.csv", "map_0.pgm", "map_0.yaml", "map_0.png", "health.json"}) {
       EXPECT_EQ(common::readFile(path(a) + "/" + file), common::readFile(path(b) + "/" + file)) << file;
     }
   }

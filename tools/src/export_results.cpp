@@ -19,7 +19,8 @@ void exportResults(const std::filesystem::path& log, const std::filesystem::path
   });
   if (recorder.empty()) {
     throw common::Error(
-        fmt::format("{}: holds no LIDAR_POSE; `rubble replay` makes results from sensors", log.string()));
+        fmt::format("{}: holds neither LIDAR_POSE nor MONO_POSE; `rubble replay` makes results from sensors",
+                    log.string()));
   }
   recorder.write(out_dir);
 }

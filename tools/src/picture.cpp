@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "lcm_io/jpeg.h"
 
 namespace rubble::tools {
 
@@ -47,31 +48,12 @@ bool isWholePng(ByteView bytes) {
   return false;
 }
 
-/// Position of the last marker 0xff `code`, or the size.
-std::size_t lastMarker(ByteView bytes, std::uint8_t code) {
-  for (std::size_t i = bytes.size(); i-- > 1;) {
-    if (bytes[i] == code && bytes[i - 1] == 0xff) {
-      return i - 1;
-    }
-  }
-  return bytes.size();
-}
-
-/// The last scan is followed by an end of image. libjpeg would show the missing part grey.
-bool isWholeJpeg(ByteView bytes) {
-  constexpr std::uint8_t kStartOfScan = 0xda;
-  constexpr std::uint8_t kEndOfImage = 0xd9;
-  const std::size_t scan = lastMarker(bytes, kStartOfScan);
-  const std::size_t end = lastMarker(bytes, kEndOfImage);
-  return scan < end && end < bytes.size();
-}
-
 }  // namespace
 
 bot_core::image_t pictureMessage(const Bytes& encoded, const std::string& name, common::Utime utime) {
   const bool jpeg = startsWith(encoded, kJpegSignature);
   const bool png = startsWith(encoded, kPngSignature);
-  if ((jpeg && !isWholeJpeg(encoded)) || (png && !isWholePng(encoded))) {
+  if ((jpeg && !lcm_io::isWholeJpeg(encoded)) || (png && !isWholePng(encoded))) {
     throw common::Error(
         fmt::format("{}: the picture is damaged or cut off ({} bytes)", name, encoded.size()));
   }

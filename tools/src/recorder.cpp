@@ -9,6 +9,8 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "lcm_io/channels.h"
+#include "lcm_io/conversions.h"
+#include "report.h"
 
 namespace rubble::tools {
 
@@ -16,6 +18,7 @@ namespace {
 
 constexpr std::array kStatusNames = {"good", "uncertain", "lost", "unmatched"};
 constexpr std::array kStateNames = {'H', 'M', 'R'};
+constexpr std::array kMonoStateNames = {"initializing", "tracking", "lost"};
 
 template <typename Names>
 auto nameOf(const Names& names, std::int8_t value) {
@@ -23,6 +26,11 @@ auto nameOf(const Names& names, std::int8_t value) {
     throw common::Error(fmt::format("unknown value {} in a pose", value));
   }
   return names[static_cast<std::size_t>(value)];
+}
+
+std::string seconds(common::Utime utime) {
+  return fmt::format("{}.{:06d}", utime / common::kMicrosecondsPerSecond,
+                     utime % common::kMicrosecondsPerSecond);
 }
 
 }  // namespace
@@ -35,16 +43,53 @@ Recorder::Recorder(lcm_io::Bus& bus)
                                       [this](const auto& pose) { addPose(pose); });
   bus.subscribe<rubble::grid_map_t>(lcm_io::channel::kGridMap,
                                     [this](const auto& map) { levels_[map.level].add(map); });
+  bus.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose, [this](const auto& pose) { addPose(pose); });
+  bus.subscribe<rubble::mono_map_t>(lcm_io::channel::kMonoMap,
+                                    [this](const auto& map) { mono_path_.add(map); });
 }
 
 void Recorder::addPose(const rubble::lidar_pose_t& pose) {
-  poses_csv_ += fmt::format(
-      "lidar,{}.{:06d},{:.9f},{:.9f},0,0,0,{:.9f},,{},{},{},{:.4f},{},{:.6g},{:.6g},{:.6g}\n",
-      pose.utime / common::kMicrosecondsPerSecond, pose.utime % common::kMicrosecondsPerSecond, pose.x,
-      pose.y, pose.yaw, pose.level, nameOf(kStateNames, pose.control_state),
-      nameOf(kStatusNames, pose.status), pose.score, pose.map_revision, std::sqrt(pose.covariance[0]),
-      std::sqrt(pose.covariance[4]), std::sqrt(pose.covariance[8]));
+  poses_csv_ += fmt::format("lidar,{},{:.9f},{:.9f},0,0,0,{:.9f},,{},{},{},{:.4f},{},{:.6g},{:.6g},{:.6g}\n",
+                            seconds(pose.utime), pose.x, pose.y, pose.yaw, pose.level,
+                            nameOf(kStateNames, pose.control_state), nameOf(kStatusNames, pose.status),
+                            pose.score, pose.map_revision, std::sqrt(pose.covariance[0]),
+                            std::sqrt(pose.covariance[4]), std::sqrt(pose.covariance[8]));
   lidar_.push_back({pose.utime, common::pose3FromPose2({pose.x, pose.y, pose.yaw})});
+}
+
+void Recorder::addPose(const rubble::mono_pose_t& pose) {
+  const common::Pose3 T_mono_camera = lcm_io::poseFromMessage(pose.p_mono_camera, pose.q_mono_camera);
+  const bool tracking = pose.state == rubble::mono_pose_t::STATE_TRACKING;
+  const Eigen::Vector3d p = T_mono_camera.translation();
+  const common::RollPitchYaw rpy = common::rpyFromRotation(T_mono_camera.linear());
+  poses_csv_ += fmt::format("mono,{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{},,{},,,{},",
+                            seconds(pose.utime), p.x(), p.y(), p.z(), rpy.roll, rpy.pitch, rpy.yaw,
+                            pose.map_id, nameOf(kMonoStateNames, pose.state), pose.map_revision);
+  poses_csv_ +=
+      tracking ? fmt::format("{:.6g},{:.6g},\n", std::sqrt(pose.covariance[0]), std::sqrt(pose.covariance[7]))
+               : std::string(",,\n");
+  ++mono_pictures_;
+  if (tracking) {
+    mono_.push_back({pose.utime, T_mono_camera});
+  }
+}
+
+void Recorder::writeMono(const std::filesystem::path& dir) const {
+  common::writeTum(dir / "trajectory_mono.tum", mono_);
+  const MonoPath::Result path = mono_path_.corrected();
+  common::writeTum(dir / "trajectory_mono_final.tum", path.trajectory);
+  if (path.of_other_maps > 0) {
+    warn(fmt::format(
+        "trajectory_mono_final.tum holds the {} pictures of the largest map; {} of other maps, which "
+        "cannot be compared, are in poses.csv only",
+        path.trajectory.size(), path.of_other_maps));
+  }
+  if (path.without_keyframe > 0) {
+    warn(
+        fmt::format("{} tracked pictures hang on keyframes that no MONO_MAP tells: not in "
+                    "trajectory_mono_final.tum",
+                    path.without_keyframe));
+  }
 }
 
 void Recorder::write(const std::filesystem::path& dir) const {
@@ -52,6 +97,7 @@ void Recorder::write(const std::filesystem::path& dir) const {
   common::writeTum(dir / "trajectory_lidar.tum", lidar_);
   // Grid SLAM does not correct the past, so what was published is final.
   common::writeTum(dir / "trajectory_lidar_final.tum", lidar_);
+  writeMono(dir);
   common::writeFileAtomically(dir / "poses.csv", poses_csv_);
   for (const auto& [level, grid] : levels_) {
     if (!grid.empty()) {

@@ -3,11 +3,13 @@
 #include <filesystem>
 #include <map>
 #include <rubble/lidar_pose_t.hpp>
+#include <rubble/mono_pose_t.hpp>
 #include <string>
 
 #include "common/trajectory.h"
 #include "grid_image.h"
 #include "lcm_io/bus.h"
+#include "mono_path.h"
 
 namespace rubble::tools {
 
@@ -17,15 +19,22 @@ class Recorder {
  public:
   explicit Recorder(lcm_io::Bus& bus);
 
-  bool empty() const { return lidar_.empty(); }
+  bool empty() const { return lidar_.empty() && mono_pictures_ == 0; }
 
-  /// Throws common::Error naming the file that cannot be written.
+  /// Says on stderr which pictures have no place in the final monocular trajectory: those of smaller maps,
+  /// and those whose keyframe was lost on the bus. Throws common::Error naming the file that cannot be
+  /// written.
   void write(const std::filesystem::path& dir) const;
 
  private:
   void addPose(const rubble::lidar_pose_t& pose);
+  void addPose(const rubble::mono_pose_t& pose);
+  void writeMono(const std::filesystem::path& dir) const;
 
   common::Trajectory lidar_;
+  common::Trajectory mono_;  // Of tracked pictures.
+  std::int64_t mono_pictures_ = 0;
+  MonoPath mono_path_;
   std::map<std::int32_t, GridAssembly> levels_;
   std::string poses_csv_;
 };

@@ -19,6 +19,7 @@
 #include "log_events.h"
 #include "recorder.h"
 #include "slam_lidar/slam_lidar_node.h"
+#include "slam_mono/slam_mono_node.h"
 
 namespace rubble::tools {
 
@@ -32,7 +33,8 @@ struct Component {
 };
 
 /// Every process with an algorithm, in the order in which a message reaches them.
-constexpr std::array kComponents = {Component{"slam_lidar", slam_lidar::makeNode}};
+constexpr std::array kComponents = {Component{"slam_mono", slam_mono::makeNode},
+                                    Component{"slam_lidar", slam_lidar::makeNode}};
 
 /// One process while it is replayed.
 struct Player {

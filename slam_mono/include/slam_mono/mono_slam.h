@@ -2,32 +2,27 @@
 
 #include <memory>
 
-#include "common/time.h"
 #include "slam_mono/camera.h"
-#include "slam_mono/features.h"
-#include "slam_mono/frame_result.h"
 #include "slam_mono/mono_slam_config.h"
+#include "slam_mono/slam_engine.h"
 
 namespace rubble::slam_mono {
-
-class Map;
 
 /// Monocular SLAM after ORB-SLAM (Mur-Artal, Montiel, Tardos, "ORB-SLAM: a versatile and accurate monocular
 /// SLAM system", T-RO 2015) with the relocalisation of Chen et al. 2017 (section III-B). Synchronous:
 /// tracking, mapping and loop closing of a picture are done when addFrame returns. Deterministic, one owner.
-/// Live, MonoSlamThreads runs the same parts in threads of their own.
-class MonoSlam {
+class MonoSlam final : public SlamEngine {
  public:
   MonoSlam(const Camera& camera, const MonoSlamConfig& config);
-  ~MonoSlam();
+  ~MonoSlam() override;
   MonoSlam(MonoSlam&&) noexcept;
   MonoSlam& operator=(MonoSlam&&) noexcept;
 
-  /// Features of the next picture; time must increase, else throws common::Error with nothing changed.
-  FrameResult addFrame(common::Utime utime, Features features);
-
-  /// The map as it is now.
-  std::shared_ptr<const Map> map() const;
+  FrameResult addFrame(common::Utime utime, Features features) override;
+  std::vector<FrameResult> takeLocated() override;
+  std::shared_ptr<const Map> map() const override;
+  void replaceMap(Map map) override;
+  void finish() override;
 
  private:
   struct State;

@@ -14,15 +14,15 @@ struct MonoSlamConfig {
   struct Start {
     int min_matches = 80;
     int min_points = 50;
-    double min_parallax = 0.02;
+    double min_parallax = 0.01;
   } start;
 
   struct Tracking {
     double search_radius = 15.0;
     int min_inliers = 25;
     int relocalisation_inliers = 40;
-    double keyframe_share = 0.85;
-    double min_keyframe_interval = 0.05;
+    double keyframe_share = 0.9;
+    double min_keyframe_interval = 0.1;
     double max_keyframe_interval = 1.0;
     double new_map_after = 1.0;
   } tracking;
@@ -31,8 +31,8 @@ struct MonoSlamConfig {
     int neighbours = 15;
     int window = 15;
     int fixed = 30;
-    int iterations = 8;
-    double redundant_share = 0.9;
+    int iterations = 5;
+    double redundant_share = 0.8;
   } mapping;
 
   struct Loop {

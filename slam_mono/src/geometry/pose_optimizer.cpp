@@ -16,7 +16,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr int kRounds = 4;
 constexpr int kIterations = 10;
 constexpr int kMinInliers = 3;
-constexpr double kUnseenError = 1e4;  // squared, of a point that has no pixel
+// Squared, normalised, of a point without a pixel or further off than this: lens polynomials run wild far
+// outside the picture.
+constexpr double kUnseenError = 1e5;
 
 double squaredError(const Camera& camera, const PointObservation& observation, const common::Pose3& T) {
   const auto pixel = camera.project(T * observation.p_mono_point);
@@ -35,13 +37,14 @@ NormalEquations<6> linearize(const Camera& camera, const common::Pose3& T,
     }
     const Eigen::Vector3d p = T * observations[i].p_mono_point;
     const auto pixel = camera.project(p);
-    if (!pixel) {
+    const double inverse_sigma = 1.0 / observations[i].sigma;
+    const Eigen::Vector2d error =
+        pixel ? Eigen::Vector2d((*pixel - observations[i].pixel) * inverse_sigma) : Eigen::Vector2d::Zero();
+    const double squared = pixel ? error.squaredNorm() : kUnseenError;
+    if (!(squared < kUnseenError)) {
       equations.cost += huberCost(kUnseenError, bound);
       continue;
     }
-    const double inverse_sigma = 1.0 / observations[i].sigma;
-    const Eigen::Vector2d error = (*pixel - observations[i].pixel) * inverse_sigma;
-    const double squared = error.squaredNorm();
     equations.cost += huberCost(squared, bound);
     equations.add<2>(poseJacobian(camera, p) * inverse_sigma, error, huberWeight(squared, bound));
   }

@@ -32,10 +32,10 @@ Eigen::Matrix3d essentialOf(const common::Pose3& T_b_a) {
   return cross * T_b_a.linear();
 }
 
-double transferChi2(const Camera& camera, const Eigen::Matrix3d& H, const Eigen::Matrix3d& H_inverse,
+double transferChi2(const Camera& camera, const Eigen::Matrix3d& H, const Eigen::Matrix3d& Hi,
                     const RayPair& pair) {
   const auto in_b = camera.project(H * pair.a);
-  const auto in_a = camera.project(H_inverse * pair.b);
+  const auto in_a = camera.project(Hi * pair.b);
   if (!in_a || !in_b) {
     return std::numeric_limits<double>::infinity();
   }

@@ -41,9 +41,9 @@ struct EpipolarError {
   double chi2(const RayPair& pair) const { return value * value * pair.inverse_variance / squaredSlope(); }
 };
 
-/// Of a rotation or homography, p_b ~ H p_a: mean squared transfer error in both pictures, of variance 1
-/// (both pixels are noisy, hence half the squared distance).
-double transferChi2(const Camera& camera, const Eigen::Matrix3d& H, const Eigen::Matrix3d& H_inverse,
+/// Of a rotation or homography, p_b ~ H p_a, Hi its inverse: mean squared transfer error in both pictures, of
+/// variance 1 (both pixels are noisy, hence half the squared distance).
+double transferChi2(const Camera& camera, const Eigen::Matrix3d& H, const Eigen::Matrix3d& Hi,
                     const RayPair& pair);
 
 }  // namespace rubble::slam_mono

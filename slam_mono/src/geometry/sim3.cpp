@@ -15,7 +15,9 @@ namespace {
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 
-constexpr double kUnseenError = 1e4;   // squared, normalised, of a point that has no pixel
+// Squared, normalised, of a point without a pixel or further off than this: lens polynomials run wild far
+// outside the picture.
+constexpr double kUnseenError = 1e5;
 constexpr double kMinTriangle = 0.02;  // twice the area over the longest side's square
 constexpr double kHuberBound = 5.991;  // chi2, 2 dof, 95 %
 // Relative, of a point's depth in either map. Without it the scale rests on the parallax between a and b
@@ -101,12 +103,12 @@ void addError(const Camera& camera, const Eigen::Vector3d& p,
               const Eigen::Matrix<double, 3, 7>& point_jacobian, const Eigen::Vector2d& wanted, double sigma,
               NormalEquations<7>& equations) {
   const auto pixel = camera.project(p);
-  if (!pixel) {
+  const Eigen::Vector2d error = pixel ? Eigen::Vector2d((*pixel - wanted) / sigma) : Eigen::Vector2d::Zero();
+  const double squared = pixel ? error.squaredNorm() : kUnseenError;
+  if (!(squared < kUnseenError)) {
     equations.cost += huberCost(kUnseenError, kHuberBound);
     return;
   }
-  const Eigen::Vector2d error = (*pixel - wanted) / sigma;
-  const double squared = error.squaredNorm();
   equations.cost += huberCost(squared, kHuberBound);
   equations.add<2>(camera.projectJacobian(p) * point_jacobian / sigma, error,
                    huberWeight(squared, kHuberBound));

@@ -12,13 +12,15 @@
 namespace rubble::slam_mono {
 namespace {
 
-constexpr double kPlanarShare = 0.4;        // of both scores that the homography has (ORB-SLAM2's value)
-constexpr int kRotationIterations = 60;     // a clean pair among half outliers is missed once in 3e7
-constexpr double kMaxRotationShare = 0.5;   // of the matches that a mere rotation may explain
-constexpr double kMaxDirectionSigma = 0.1;  // rad, of the translation's direction
-constexpr double kSameRotation = 0.05;      // rad: motions closer than both are one
-constexpr double kSameDirection = 0.25;     // rad
-constexpr double kParallel = 1e-6;          // rad
+// Of both scores that the homography has; for a plane and noise of unit variance 4/9 (as R_H in ORB-SLAM).
+constexpr double kPlanarShare = 0.35;
+constexpr int kRotationIterations = 60;       // a clean pair among half outliers is missed once in 3e7
+constexpr double kMaxRotationShare = 0.5;     // of the matches that a mere rotation may explain
+constexpr double kMaxDirectionSigma = 0.025;  // rad, of the translation: straight to a wall both motions meet
+constexpr double kSameRotation = 0.05;        // rad: motions closer than both are one
+constexpr double kSameDirection = 0.25;       // rad
+constexpr double kSamePlanarDirection = 0.1;  // rad; there the motions are sharp, both may be near each other
+constexpr double kParallel = 1e-6;            // rad
 
 double angleBetween(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   return std::atan2(p.cross(q).norm(), p.dot(q));
@@ -33,9 +35,9 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-bool sameMotion(const common::Pose3& S, const common::Pose3& T) {
+bool sameMotion(const common::Pose3& S, const common::Pose3& T, double direction) {
   return Eigen::AngleAxisd(S.linear() * T.linear().transpose()).angle() < kSameRotation &&
-         angleBetween(S.translation(), T.translation()) < kSameDirection;
+         angleBetween(S.translation(), T.translation()) < direction;
 }
 
 }  // namespace
@@ -90,11 +92,12 @@ std::optional<TwoViewResult> reconstructTwoViews(const Camera& camera, std::span
   // does not explain must not pull there.
   const bool planar = homography.score > kPlanarShare * (homography.score + essential.score);
   std::vector<RayPair> support;
-  const Eigen::Matrix3d H_inverse = homography.M.inverse();
+  const Eigen::Matrix3d Hi = homography.M.inverse();
   std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(support), [&](const RayPair& pair) {
-    return !planar || transferChi2(camera, homography.M, H_inverse, pair) < kChi2Two;
+    return !planar || transferChi2(camera, homography.M, Hi, pair) < kChi2Two;
   });
   std::vector<TwoViewHypothesis> hypotheses;
+  hypotheses.reserve(motions.size());
   for (const common::Pose3& T_b_a : motions) {
     hypotheses.push_back(refineMotion(camera, pairs, support, T_b_a));
   }
@@ -103,7 +106,7 @@ std::optional<TwoViewResult> reconstructTwoViews(const Camera& camera, std::span
       [](const TwoViewHypothesis& p, const TwoViewHypothesis& q) { return p.strict_count < q.strict_count; });
   int rival = 0;
   for (const TwoViewHypothesis& other : hypotheses) {
-    if (!sameMotion(other.T_b_a, best->T_b_a)) {
+    if (!sameMotion(other.T_b_a, best->T_b_a, planar ? kSamePlanarDirection : kSameDirection)) {
       rival = std::max(rival, other.strict_count);
     }
   }

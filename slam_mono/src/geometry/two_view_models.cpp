@@ -45,9 +45,9 @@ TwoViewModel ransac(std::size_t n, int iterations, std::uint64_t seed, Solve&& s
 
 TwoViewModel scoreTransfer(const Camera& camera, std::span<const RayPair> pairs, const Eigen::Matrix3d& H) {
   TwoViewModel model{H, 0.0, 0};
-  const Eigen::Matrix3d H_inverse = H.inverse();
+  const Eigen::Matrix3d Hi = H.inverse();
   for (const RayPair& pair : pairs) {
-    const double chi2 = transferChi2(camera, H, H_inverse, pair);
+    const double chi2 = transferChi2(camera, H, Hi, pair);
     if (chi2 < kChi2Two) {
       model.score += kChi2Two - chi2;
       ++model.inliers;
@@ -73,9 +73,9 @@ template <typename Fit>
 TwoViewModel refitted(const Camera& camera, std::span<const RayPair> pairs, TwoViewModel best, Fit&& fit) {
   for (int i = 0; i < kRefits && best.inliers > 0; ++i) {
     std::vector<const RayPair*> inliers;
-    const Eigen::Matrix3d H_inverse = best.M.inverse();
+    const Eigen::Matrix3d Hi = best.M.inverse();
     for (const RayPair& pair : pairs) {
-      if (transferChi2(camera, best.M, H_inverse, pair) < kChi2Two) {
+      if (transferChi2(camera, best.M, Hi, pair) < kChi2Two) {
         inliers.push_back(&pair);
       }
     }
@@ -118,12 +118,12 @@ Matrices homographyOfFour(std::span<const RayPair> pairs, const std::array<std::
   if (std::abs(det_a) < kMinSpread * kMinSpread || std::abs(det_b) < kMinSpread * kMinSpread) {
     return {};
   }
-  const Eigen::Matrix3d A_inverse = A.inverse();
-  const Eigen::Vector3d scale = (B.inverse() * pairs[s[3]].b).cwiseQuotient(A_inverse * pairs[s[3]].a);
+  const Eigen::Matrix3d Ai = A.inverse();
+  const Eigen::Vector3d scale = (B.inverse() * pairs[s[3]].b).cwiseQuotient(Ai * pairs[s[3]].a);
   if (!(scale.minCoeff() > 0.0) || !scale.allFinite() || det_a * det_b < 0.0) {
     return {};
   }
-  return {B * scale.asDiagonal() * A_inverse};
+  return {B * scale.asDiagonal() * Ai};
 }
 
 /// Direct linear transform on bearings.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "common/error.h"
@@ -83,6 +84,16 @@ std::size_t Map::keyframeCount(int map_id) const {
   return static_cast<std::size_t>(
       std::count_if(keyframes_.begin(), keyframes_.end(),
                     [&](const auto& shared) { return shared.value && shared.value->map_id == map_id; }));
+}
+
+std::vector<int> Map::mapIds() const {
+  std::set<int> ids;
+  for (const auto& shared : keyframes_) {
+    if (shared.value) {
+      ids.insert(shared.value->map_id);
+    }
+  }
+  return {ids.begin(), ids.end()};
 }
 
 KeyframeId Map::addKeyframe(Keyframe keyframe) {

@@ -82,7 +82,9 @@ class Map {
   std::size_t keyframeCount() const { return keyframe_count_; }
   std::size_t pointCount() const { return point_count_; }
   KeyframeId nextKeyframeId() const { return static_cast<KeyframeId>(keyframes_.size()); }
+  PointId nextPointId() const { return next_point_; }
   std::size_t keyframeCount(int map_id) const;
+  std::vector<int> mapIds() const;  ///< ascending
 
   /// Sets the id. Its points must be empty (kNoPoint); observations are added one by one.
   KeyframeId addKeyframe(Keyframe keyframe);
@@ -116,6 +118,7 @@ class Map {
   std::int64_t revision = 0;
 
  private:
+  friend class MapParser;
   static constexpr std::size_t kBlock = 32;
   using PointBlock = std::array<std::optional<MapPoint>, kBlock>;
   /// Copy on write: shared with snapshots taken after `epoch`.

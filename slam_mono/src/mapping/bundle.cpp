@@ -69,9 +69,10 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3> 
     const Eigen::Vector3d p_camera = T_camera_mono * Eigen::Map<const Eigen::Vector3d>(parameters[1]);
     const auto pixel = camera_.project(p_camera);
     Eigen::Map<Eigen::Vector2d> r(residuals);
-    if (!pixel) {
-      // Behind the camera: an outlier that pulls at nothing and is erased afterwards.
-      r.setConstant(kBehind);
+    if (!pixel || (*pixel - pixel_).norm() * weight_ > kFarOff) {
+      // Behind the camera, or where the lens polynomial runs wild: it pulls at nothing and is erased
+      // afterwards.
+      r.setConstant(kFarOff);
       for (int block = 0; jacobians != nullptr && block < 2; ++block) {
         if (jacobians[block] != nullptr) {
           std::fill_n(jacobians[block], 2 * (block == 0 ? kPoseSize : 3), 0.0);
@@ -100,7 +101,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3> 
   }
 
  private:
-  static constexpr double kBehind = 10.0;
+  static constexpr double kFarOff = 100.0;  // sigma
 
   const Camera& camera_;
   const Eigen::Vector2d pixel_;

@@ -8,14 +8,16 @@ namespace rubble::slam_mono {
 
 namespace {
 
-constexpr double kRadius = 100.0;   // pixels, how far a feature may go from one frame to the next
-constexpr double kMaxRatio = 0.9;   // NNDR
-constexpr double kMinMotion = 5.0;  // pixels, median; less cannot hold enough parallax
+constexpr double kRadius = 100.0;         // pixels, how far a feature may go from one frame to the next
+constexpr std::size_t kMostBetween = 90;  // frames
+constexpr double kMaxRatio = 0.9;         // NNDR
+constexpr double kMinMotion = 5.0;        // pixels, median; less cannot hold enough parallax
 
 }  // namespace
 
 void Initializer::begin(const std::shared_ptr<const Frame>& frame) {
   first_ = frame;
+  between_.clear();
   last_pixel_.resize(frame->size());
   for (std::size_t i = 0; i < frame->size(); ++i) {
     last_pixel_[i] = frame->pixel(i);
@@ -72,6 +74,11 @@ std::optional<NewMap> Initializer::addFrame(const std::shared_ptr<const Frame>& 
     begin(frame);
     return std::nullopt;
   }
+  const std::vector<std::shared_ptr<const Frame>> between(between_.begin(), between_.end());
+  between_.push_back(frame);
+  if (between_.size() > kMostBetween) {
+    between_.pop_front();
+  }
   std::vector<TwoViewMatch> views;
   std::vector<NewMap::Pair> pairs;
   std::vector<double> motions;
@@ -95,7 +102,7 @@ std::optional<NewMap> Initializer::addFrame(const std::shared_ptr<const Frame>& 
   if (!result) {
     return std::nullopt;
   }
-  NewMap map{first_, frame, result->T_b_a, {}};
+  NewMap map{first_, frame, result->T_b_a, {}, between};
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (result->points_a[k]) {
       map.pairs.push_back({pairs[k].first, pairs[k].second, *result->points_a[k]});

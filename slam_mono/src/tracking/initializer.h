@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -27,6 +28,7 @@ class Initializer {
   const OctaveScales& scales_;
   const MonoSlamConfig::Start config_;
   std::shared_ptr<const Frame> first_;
+  std::deque<std::shared_ptr<const Frame>> between_;
   std::vector<Eigen::Vector2d> last_pixel_;  // Per feature of the first frame, where it was seen last.
   std::vector<std::optional<std::uint32_t>> matches_;  // Per feature of the first frame.
 };

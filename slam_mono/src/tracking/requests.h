@@ -46,6 +46,8 @@ struct NewMap {
   };
   common::Pose3 T_second_first;
   std::vector<Pair> pairs;
+  /// What lies in between, oldest first: to be located once the map stands.
+  std::vector<std::shared_ptr<const Frame>> between;
 };
 
 /// What the tracker asks of the mapper.

@@ -43,11 +43,58 @@ Tracker::Tracker(const Camera& camera, const OctaveScales& scales, const MonoSla
       initializer_(camera, scales, config.start),
       relocaliser_(camera, scales) {}
 
-void Tracker::expectAt(KeyframeId reference) {
+void Tracker::expectNear(KeyframeId keyframe) {
   state_ = TrackingState::kLost;
   last_.reset();
-  local_reference_ = reference;
-  local_.clear();
+  velocity_.reset();
+  local_reference_ = keyframe;
+  local_age_ = kMaxLocalAge;
+}
+
+std::vector<FrameResult> Tracker::begin(const Map& map, KeyframeId second) {
+  const Keyframe& k = *map.keyframe(second);
+  const Keyframe& first = *map.keyframe(k.parent);
+  expectNear(second);
+  // Backwards from the second view, each frame next to one that is known.
+  std::vector<FrameResult> located{locatedAt(map, k.frame->utime, k, k.T_camera_mono, {})};
+  last_ = Last{k.frame, k.points, RelativePose::of(k, k.T_camera_mono), k.T_camera_mono};
+  for (auto frame = between_.rbegin(); frame != between_.rend(); ++frame) {
+    const auto match = matchFrom(**frame, map, last_->T_camera_mono, kWiden * config_.tracking.search_radius);
+    if (!match || match->inliers < config_.tracking.min_inliers) {
+      break;
+    }
+    located.push_back(locatedAt(map, (*frame)->utime, k, match->T_camera_mono, match->covariance));
+    last_ = Last{*frame, match->points, {}, match->T_camera_mono};
+  }
+  if (located.size() == between_.size() + 1) {
+    located.push_back(locatedAt(map, first.frame->utime, first, first.T_camera_mono, {}));
+  }
+  std::reverse(located.begin(), located.end());
+  between_.clear();
+
+  state_ = TrackingState::kTracking;
+  tracked_since_ = k.frame->utime;
+  last_ = Last{k.frame, k.points, RelativePose::of(k, k.T_camera_mono), k.T_camera_mono};
+  velocity_ = k.T_camera_mono * first.T_camera_mono.inverse();
+  velocity_time_ = k.frame->utime - first.frame->utime;
+  return located;
+}
+
+FrameResult Tracker::locatedAt(const Map& map, common::Utime utime, const Keyframe& reference,
+                               const common::Pose3& T_camera_mono,
+                               const std::optional<Eigen::Matrix<double, 6, 6>>& covariance) {
+  FrameResult result;
+  result.utime = utime;
+  result.state = TrackingState::kTracking;
+  result.map_id = reference.map_id;
+  result.map_revision = map.revision;
+  result.T_mono_camera = T_camera_mono.inverse();
+  result.covariance = covariance.value_or(unknownCovariance());
+  const RelativePose pose = RelativePose::of(reference, T_camera_mono);
+  result.keyframe_id = pose.reference;
+  result.T_keyframe_camera = pose.T_camera_reference.inverse();
+  result.keyframe_scale = pose.reference_scale;
+  return result;
 }
 
 Tracker::Output Tracker::track(const std::shared_ptr<const Frame>& frame,
@@ -93,9 +140,10 @@ Tracker::Output Tracker::track(const std::shared_ptr<const Frame>& frame,
       lost_since_ = frame->utime;
     }
     const double lost_for = common::secondsFromUtime(frame->utime - lost_since_);
-    if (state_ == TrackingState::kInitializing ||
-        (lost_for > config_.tracking.new_map_after && !config_.localisation_only)) {
+    const bool may_start = state_ == TrackingState::kInitializing || lost_for > config_.tracking.new_map_after;
+    if (may_start && mapper_idle && !config_.localisation_only) {
       if (auto start = initializer_.addFrame(frame)) {
+        between_ = start->between;
         output.request = std::move(*start);
       }
     }

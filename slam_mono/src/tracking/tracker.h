@@ -27,9 +27,11 @@ class Tracker {
   Output track(const std::shared_ptr<const Frame>& frame, const std::shared_ptr<const Map>& map,
                bool mapper_idle);
 
-  /// The newest map gets this keyframe's surroundings as what the next frames are searched in; for a restored
-  /// map, where the camera may be anywhere.
-  void expectAt(KeyframeId reference);
+  /// The map that was asked for stands, `second` is the keyframe of its second view: tracking goes on there.
+  /// Returns poses of the frames that waited for it, oldest first.
+  std::vector<FrameResult> begin(const Map& map, KeyframeId second);
+  /// The camera may be anywhere in this map, most likely near the keyframe: a restored map.
+  void expectNear(KeyframeId keyframe);
 
  private:
   struct Last {
@@ -46,6 +48,9 @@ class Tracker {
     int inliers = 0;
   };
 
+  static FrameResult locatedAt(const Map& map, common::Utime utime, const Keyframe& reference,
+                               const common::Pose3& T_camera_mono,
+                               const std::optional<Eigen::Matrix<double, 6, 6>>& covariance);
   std::optional<common::Pose3> lastPose(const Map& map) const;
   std::optional<Match> trackMotion(const std::shared_ptr<const Frame>& frame, const Map& map);
   std::optional<Match> matchFrom(const Frame& frame, const Map& map, const common::Pose3& T_camera_mono,
@@ -71,7 +76,8 @@ class Tracker {
   Relocaliser relocaliser_;
 
   TrackingState state_ = TrackingState::kInitializing;
-  LocalPoints local_;  // Of the map at local_epoch_.
+  std::vector<std::shared_ptr<const Frame>> between_;  // Waiting for the map that was asked for.
+  LocalPoints local_;                                  // Of the map at local_epoch_.
   std::uint64_t local_epoch_ = 0;
   KeyframeId local_reference_ = kNoKeyframe;
   int local_age_ = 0;

@@ -5,11 +5,12 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "common/error.h"
 
-namespace rubble::slam_lidar {
+namespace rubble::common {
 
 /// Appends plain values to bytes, in the machine's (little-endian) order.
 class ByteWriter {
@@ -30,10 +31,12 @@ class ByteWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Takes them out again. Throws common::Error instead of reading beyond the end.
+/// Takes them out again. Throws Error, naming the thing, instead of reading beyond the end.
 class ByteReader {
  public:
-  explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  /// `thing`: what the bytes are, for the Error's text.
+  ByteReader(std::span<const std::uint8_t> bytes, std::string thing)
+      : bytes_(bytes), thing_(std::move(thing)) {}
 
   template <typename T>
   requires std::is_trivially_copyable_v<T> T get() {
@@ -45,28 +48,32 @@ class ByteReader {
   requires std::is_trivially_copyable_v<T>
   void getAll(std::span<T> values) {
     require(values.size_bytes());
-    std::memcpy(values.data(), bytes_.data(), values.size_bytes());
+    if (!values.empty()) {
+      std::memcpy(values.data(), bytes_.data(), values.size_bytes());
+    }
     bytes_ = bytes_.subspan(values.size_bytes());
   }
   /// Number of elements that follow, each at least `element_size` bytes long.
   std::size_t getCount(std::size_t element_size) {
     const auto count = get<std::uint64_t>();
     if (count > bytes_.size() / element_size) {
-      fail();
+      fail("truncated");
     }
     return static_cast<std::size_t>(count);
   }
   std::size_t left() const { return bytes_.size(); }
+  /// Throws Error: "<thing>: <what>".
+  [[noreturn]] void fail(const std::string& what) const { throw Error(thing_ + ": " + what); }
 
  private:
-  [[noreturn]] static void fail() { throw common::Error("LiDAR SLAM state: truncated"); }
   void require(std::size_t size) const {
     if (size > bytes_.size()) {
-      fail();
+      fail("truncated");
     }
   }
 
   std::span<const std::uint8_t> bytes_;
+  std::string thing_;
 };
 
-}  // namespace rubble::slam_lidar
+}  // namespace rubble::common

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "synthetic_mission.h"
+#include "synthetic_scenes.h"
+
+namespace rubble::slam_mono {
+
+inline constexpr double kTrialRate = 15.0;  // Hz
+
+struct SeedRange {
+  std::uint64_t first = 1;
+  std::uint64_t last = 1;
+};
+
+/// The value that this share of the others does not exceed; 0 of none.
+double quantile(std::vector<double> values, double share);
+
+/// What takes the pictures, while SLAM believes in arenaCamera().
+Camera worldLens(std::uint64_t seed);
+
+/// How fast the camera finds itself again, as a table on stdout.
+void measureRecovery(int trials);
+
+}  // namespace rubble::slam_mono

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/time.h"
+#include "slam_mono/features.h"
+#include "slam_mono/frame_result.h"
+
+namespace rubble::slam_mono {
+
+class Map;
+
+/// Monocular SLAM as its process sees it: MonoSlam does everything at once, LiveMonoSlam in threads.
+class SlamEngine {
+ public:
+  virtual ~SlamEngine() = default;
+
+  /// Features of the next picture; time must increase, else throws common::Error with nothing changed.
+  virtual FrameResult addFrame(common::Utime utime, Features features) = 0;
+
+  /// Poses of earlier pictures that were found only after a map had started; each is handed out once.
+  virtual std::vector<FrameResult> takeLocated() = 0;
+
+  /// The map as it is now.
+  virtual std::shared_ptr<const Map> map() const = 0;
+
+  /// Goes on in this map; where in it, relocalisation finds out.
+  virtual void replaceMap(Map map) = 0;
+
+  /// Nothing more will come: what is under way is finished, and every map gets a last full bundle adjustment.
+  virtual void finish() = 0;
+
+ protected:
+  SlamEngine() = default;
+  SlamEngine(const SlamEngine&) = default;
+  SlamEngine(SlamEngine&&) = default;
+  SlamEngine& operator=(const SlamEngine&) = default;
+  SlamEngine& operator=(SlamEngine&&) = default;
+};
+
+}  // namespace rubble::slam_mono

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+
+#include "loop/loop_closer.h"
+#include "mapping/local_mapper.h"
+
+namespace rubble::slam_mono {
+
+/// Corrects the mapper's map: the two ends of a loop are brought together, their points fused, and the error
+/// spread over all keyframes by a pose graph of similarities (Strasdat et al. 2010; Mur-Artal et al. 2015,
+/// section VII-D); a map that meets another one is moved into the older. False when the closure's keyframes
+/// are gone.
+bool closeLoop(LocalMapper& mapper, const LoopClosure& closure, const OctaveScales& scales);
+
+/// Steps that a full bundle adjustment takes at most.
+inline constexpr int kFullIterations = 10;
+
+/// Full bundle adjustment of one map, as a problem to be solved anywhere.
+BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& scales);
+
+/// Writes a full bundle adjustment back into a map that may have grown since `solved_on` was taken: newer
+/// keyframes follow their parents, newer points their reference keyframe. Does nothing when a correction came
+/// in between.
+void applyFullBundle(Map& map, const Map& solved_on, const BundleProblem& problem,
+                     const OctaveScales& scales);
+
+}  // namespace rubble::slam_mono

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <rubble/camera_info_t.hpp>
+#include <rubble/mono_features_t.hpp>
+#include <rubble/mono_keyframe_t.hpp>
+#include <rubble/mono_pose_t.hpp>
+#include <rubble/mono_removed_keyframe_t.hpp>
+
+#include "common/robot_config.h"
+#include "common/time.h"
+#include "map/map.h"
+#include "slam_mono/features.h"
+#include "slam_mono/frame_result.h"
+
+namespace rubble::slam_mono {
+
+/// Throws common::Error for what no camera can have.
+common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_t& info);
+
+rubble::mono_features_t featuresMessage(common::Utime utime, const Features& features);
+rubble::mono_pose_t poseMessage(const FrameResult& result);
+rubble::mono_keyframe_t keyframeMessage(const Keyframe& keyframe);
+/// `map`: as it was when it still had the keyframe.
+rubble::mono_removed_keyframe_t removedMessage(const Keyframe& keyframe, const Map& map);
+
+}  // namespace rubble::slam_mono
