@@ -43,6 +43,10 @@ namespace {
 
 constexpr double kCornerRadius = 0.8;  // m
 
+/// Little texture and a noisy picture.
+constexpr ViewConfig kPoorView{
+    .features = 600, .detected = 0.5, .clutter = 0.3, .pixel_noise = 0.8, .bit_flips = 0.06, .occluded = 0.0};
+
 struct Outcome {
   double metres = 0.0;
   double tracked = 0.0;  // share of the frames after the first tracked one
@@ -72,14 +76,15 @@ std::vector<double> loopDistances(const Map& map, std::span<const MissionFrame> 
   return distances;
 }
 
-Outcome drive(const SyntheticScene& scene, double laps, std::uint64_t seed, bool close_loops) {
+Outcome drive(const SyntheticScene& scene, double laps, const ViewConfig& view, std::uint64_t seed,
+              bool close_loops) {
   const FloorPath path(scene.line, scene.closed, kCornerRadius);
   Route route(path.at(0.0), kTrialRate, seed);
   route.drive(path, 0.0, laps * path.length());
   MonoSlamConfig config;
   config.loop.enabled = close_loops;
   Mission mission(scene.world, worldLens(seed), arenaCamera(), config, seed);
-  mission.follow(route.poses());
+  mission.follow(route.poses(), view);
 
   Outcome outcome;
   const std::span<const MissionFrame> frames = mission.frames();
@@ -114,7 +119,7 @@ std::ptrdiff_t falseClosures(const Outcome& outcome) {
   return std::count_if(outcome.loops.begin(), outcome.loops.end(), [](double d) { return d > kSamePlace; });
 }
 
-void measureLoops(const SeedRange& seeds) {
+void measureLoops(const SeedRange& seeds, const ViewConfig& view) {
   fmt::print(
       "| seed | m | tracked % | closed | false | ATE without, m | ATE with, m | ratio | mean ms | worst ms "
       "|\n");
@@ -123,8 +128,8 @@ void measureLoops(const SeedRange& seeds) {
   int closed = 0;
   for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
     const SyntheticScene scene = makeRing(seed);
-    const Outcome without = drive(scene, 1.25, seed, false);
-    const Outcome with = drive(scene, 1.25, seed, true);
+    const Outcome without = drive(scene, 1.25, view, seed, false);
+    const Outcome with = drive(scene, 1.25, view, seed, true);
     closed += with.loops.empty() ? 0 : 1;
     ratios.push_back(without.ate / with.ate);
     fmt::print("| {} | {:.1f} | {:.1f} | {} | {} | {:.3f} | {:.3f} | {:.2f} | {:.1f} | {:.0f} |\n", seed,
@@ -136,7 +141,7 @@ void measureLoops(const SeedRange& seeds) {
              quantile(ratios, 0.5), quantile(ratios, 0.0));
 }
 
-void measureLookAlike(const SeedRange& seeds) {
+void measureLookAlike(const SeedRange& seeds, const ViewConfig& view) {
   fmt::print(
       "| seed | doors | m | tracked % | closures | false | farthest, m | ATE reported, m | ATE, m | mean ms "
       "|\n");
@@ -144,7 +149,7 @@ void measureLookAlike(const SeedRange& seeds) {
   std::ptrdiff_t wrong = 0;
   std::size_t wrong_missions = 0;
   for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
-    const Outcome o = drive(makeLookAlike(seed), 1.0, seed, true);
+    const Outcome o = drive(makeLookAlike(seed), 1.0, view, seed, true);
     wrong += falseClosures(o);
     wrong_missions += falseClosures(o) > 0 ? 1 : 0;
     fmt::print("| {} | {} | {:.1f} | {:.1f} | {} | {} | {:.1f} | {:.3f} | {:.3f} | {:.1f} |\n", seed,
@@ -183,6 +188,7 @@ int main(int argc, char** argv) {
   std::string loop_seeds = "1..20";
   std::string look_alike_seeds = "1..50";
   int trials = 100;
+  bool poor = false;
   auto* loops =
       app.add_subcommand("loops", "Once and a quarter around a ring, with and without loop closing");
   loops->add_option("--seeds", loop_seeds, "Missions")->capture_default_str();
@@ -193,13 +199,17 @@ int main(int argc, char** argv) {
   recovery->add_option("--trials", trials, "Disturbances, four in a mission")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  for (auto* command : {loops, look_alike}) {
+    command->add_flag("--poor", poor, "Fewer and noisier features");
+  }
   app.footer("Example:\n  mono_trials loops --seeds 1..5\n");
   CLI11_PARSE(app, argc, argv);
+  const ViewConfig view = poor ? kPoorView : ViewConfig{};
   try {
     if (*loops) {
-      measureLoops(rangeOf(loop_seeds));
+      measureLoops(rangeOf(loop_seeds), view);
     } else if (*look_alike) {
-      measureLookAlike(rangeOf(look_alike_seeds));
+      measureLookAlike(rangeOf(look_alike_seeds), view);
     } else {
       measureRecovery(trials);
     }

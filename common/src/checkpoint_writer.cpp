@@ -19,10 +19,14 @@ CheckpointWriter::~CheckpointWriter() {
   thread_.join();
 }
 
-void CheckpointWriter::submit(std::vector<std::uint8_t> bytes) {
+void CheckpointWriter::submit(Bytes bytes) {
+  submit([bytes = std::move(bytes)]() mutable { return std::move(bytes); });
+}
+
+void CheckpointWriter::submit(std::function<Bytes()> make_bytes) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_ = std::move(bytes);
+    waiting_ = std::move(make_bytes);
   }
   changed_.notify_one();
 }
@@ -35,15 +39,15 @@ std::string CheckpointWriter::error() const {
 void CheckpointWriter::run() {
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [this] { return stopping_ || waiting_.has_value(); });
-    if (!waiting_.has_value()) {
+    changed_.wait(lock, [this] { return stopping_ || waiting_ != nullptr; });
+    if (!waiting_) {
       return;
     }
-    const std::vector<std::uint8_t> bytes = std::move(*std::exchange(waiting_, std::nullopt));
+    const std::function<Bytes()> make_bytes = std::exchange(waiting_, nullptr);
     lock.unlock();
     std::string error;
     try {
-      writeFileAtomically(path_, bytes);
+      writeFileAtomically(path_, make_bytes());
     } catch (const Error& e) {
       error = e.what();
     }

@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -67,6 +68,16 @@ void writeFileAtomically(const std::filesystem::path& path, std::span<const std:
 
 void writeFileAtomically(const std::filesystem::path& path, const std::string& text) {
   writeFileAtomically(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+std::optional<double> fileAge(const std::filesystem::path& path, Utime now) {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(path, error);
+  if (error) {
+    return std::nullopt;
+  }
+  const auto since_epoch = std::chrono::file_clock::to_sys(written).time_since_epoch();
+  return secondsFromUtime(now - std::chrono::duration_cast<std::chrono::microseconds>(since_epoch).count());
 }
 
 std::uint32_t crc32(std::span<const std::uint8_t> bytes) {

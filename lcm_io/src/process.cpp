@@ -104,7 +104,11 @@ std::unique_ptr<Bus> openBus(const std::string& url, const char* process) {
 void run(const Options& options, const common::Config& config, const ProcessDescription& description) {
   const std::unique_ptr<Bus> opened = openBus(options.lcm_url, description.name);
   Bus& bus = *opened;
-  const std::unique_ptr<Node> node = description.make_node({bus, config, options.state_dir});
+  const std::unique_ptr<Node> node =
+      description.make_node({.bus = bus,
+                             .config = config,
+                             .state_dir = options.state_dir,
+                             .live = !options.lcm_url.starts_with(LogBus::kScheme)});
   Reporter reporter(description.name, bus, warnAboutHost(options.lcm_url));
   ::sd_notify(0, "READY=1");
   while (stop_requested == 0 && !bus.ended()) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bot_core/planar_lidar_t.hpp>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <filesystem>
@@ -63,22 +62,18 @@ common::Pose2 startPose(const common::Config& config) {
 /// The grid of a checkpoint that is young enough, searching around its last pose; empty where there is none.
 std::optional<GridSlam> restoreFresh(const std::filesystem::path& path, const SlamLidarConfig& config,
                                      Utime now) {
-  std::error_code error;
-  const auto written = std::filesystem::last_write_time(path, error);
-  if (error) {
+  const auto age = common::fileAge(path, now);
+  if (!age) {
     return std::nullopt;
   }
-  const auto written_since_epoch = std::chrono::file_clock::to_sys(written).time_since_epoch();
-  const double age = common::secondsFromUtime(
-      now - std::chrono::duration_cast<std::chrono::microseconds>(written_since_epoch).count());
-  if (age > config.restore_within) {
-    spdlog::info("{} is {:.0f} s old: not restored, a new map begins", path.string(), age);
+  if (*age > config.restore_within) {
+    spdlog::info("{} is {:.0f} s old: not restored, a new map begins", path.string(), *age);
     return std::nullopt;
   }
   try {
     GridSlam grid = GridSlam::restore(config.grid, common::readFile(path));
     grid.relocalise(grid.pose(), kRestoreDistance, kRestoreAngle);
-    spdlog::info("restored from {}, {:.0f} s old", path.string(), age);
+    spdlog::info("restored from {}, {:.0f} s old", path.string(), *age);
     return grid;
   } catch (const common::Error& e) {
     spdlog::error("{}: not restored, a new map begins: {}", path.string(), e.what());

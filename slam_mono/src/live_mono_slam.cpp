@@ -17,6 +17,7 @@ namespace rubble::slam_mono {
 
 namespace {
 
+constexpr std::size_t kMostRequests = 3;  // to the mapper; more are not asked for
 constexpr std::size_t kMostLoopJobs = 8;  // keyframes; the oldest is dropped
 
 /// A keyframe to look for loops from, in the map where it is new.
@@ -57,12 +58,17 @@ struct LiveMonoSlam::State {
   void runMapping() {
     std::unique_lock lock(mutex);
     while (true) {
-      changed.wait(lock, [&] { return stopping || request || closure || full_bundle; });
+      changed.wait(lock, [&] { return stopping || !requests.empty() || closure || full_bundle; });
       if (stopping) {
         return;
       }
       mapping = true;
-      const auto todo_request = std::exchange(request, std::nullopt);
+      std::optional<std::variant<NewKeyframe, NewMap>> todo_request;
+      if (!requests.empty()) {
+        todo_request = std::move(requests.front());
+        requests.pop_front();
+      }
+      const bool more = !requests.empty();
       const auto todo_closure = std::exchange(closure, std::nullopt);
       const auto todo_bundle = std::exchange(full_bundle, std::nullopt);
       lock.unlock();
@@ -80,7 +86,7 @@ struct LiveMonoSlam::State {
         if (const auto* start = std::get_if<NewMap>(&*todo_request)) {
           second = mapper.start(*start);
         } else {
-          keyframe = mapper.insert(std::get<NewKeyframe>(*todo_request));
+          keyframe = mapper.insert(std::get<NewKeyframe>(*todo_request), !more);
         }
       }
       auto snapshot = mapper.map().snapshot();
@@ -115,7 +121,7 @@ struct LiveMonoSlam::State {
         const LoopJob job = *std::exchange(bundle_job, std::nullopt);
         lock.unlock();
         FullBundle solved{job.map, makeFullBundle(*job.map, job.map->keyframe(job.keyframe)->map_id, scales)};
-        solveBundle(camera, solved.problem, kFullIterations, &cancel_bundle);
+        solveBundle(camera, solved.problem, kFullEffort, &cancel_bundle);
         lock.lock();
         full_bundle = std::move(solved);
       } else {
@@ -132,7 +138,8 @@ struct LiveMonoSlam::State {
   }
 
   bool idle() const {
-    return !mapping && !closing && !request && !closure && !full_bundle && !bundle_job && loop_jobs.empty();
+    return !mapping && !closing && requests.empty() && !closure && !full_bundle && !bundle_job &&
+           loop_jobs.empty();
   }
 
   const Camera camera;
@@ -147,7 +154,7 @@ struct LiveMonoSlam::State {
   mutable std::mutex mutex;  // of all below
   std::condition_variable changed;
   std::shared_ptr<const Map> map;
-  std::optional<std::variant<NewKeyframe, NewMap>> request;
+  std::deque<std::variant<NewKeyframe, NewMap>> requests;
   std::optional<KeyframeId> started;  // second keyframe of a new map the tracker has not heard of
   std::optional<LoopClosure> closure;
   std::optional<FullBundle> full_bundle;
@@ -174,19 +181,19 @@ FrameResult LiveMonoSlam::addFrame(common::Utime utime, Features features) {
   const auto frame = std::make_shared<const Frame>(utime, std::move(features), s.camera);
   std::unique_lock lock(s.mutex);
   const std::shared_ptr<const Map> map = s.map;
-  const bool mapper_idle = !s.mapping && !s.request;
+  const bool mapper_free = s.requests.size() < kMostRequests;
   const auto started = std::exchange(s.started, std::nullopt);
   lock.unlock();
   if (started && map->keyframe(*started) != nullptr) {
     auto located = s.tracker.begin(*map, *started);
     s.located.insert(s.located.end(), located.begin(), located.end());
   }
-  Tracker::Output output = s.tracker.track(frame, map, mapper_idle);
+  Tracker::Output output = s.tracker.track(frame, map, mapper_free);
   lock.lock();
   if (auto* keyframe = std::get_if<NewKeyframe>(&output.request)) {
-    s.request = std::move(*keyframe);
+    s.requests.emplace_back(std::move(*keyframe));
   } else if (auto* start = std::get_if<NewMap>(&output.request)) {
-    s.request = std::move(*start);
+    s.requests.emplace_back(std::move(*start));
   }
   lock.unlock();
   s.changed.notify_all();
@@ -218,7 +225,7 @@ void LiveMonoSlam::finish() {
   s.changed.wait(lock, [&] { return s.idle(); });
   for (const int map_id : s.map->mapIds()) {
     BundleProblem problem = makeFullBundle(*s.map, map_id, s.scales);
-    solveBundle(s.camera, problem, kFullIterations);
+    solveBundle(s.camera, problem, kFullEffort);
     applyFullBundle(s.mapper.map(), *s.map, problem, s.scales);
     s.map = s.mapper.map().snapshot();
   }

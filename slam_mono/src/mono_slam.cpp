@@ -40,7 +40,7 @@ struct MonoSlam::State {
 
   void adjustAll(int map_id) {
     BundleProblem problem = makeFullBundle(*map, map_id, scales);
-    solveBundle(camera, problem, kFullIterations);
+    solveBundle(camera, problem, kFullEffort);
     applyFullBundle(mapper.map(), *map, problem, scales);
     map = mapper.map().snapshot();
   }

@@ -3,21 +3,28 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <bot_core/image_t.hpp>
+#include <filesystem>
 #include <limits>
 #include <opencv2/core/utility.hpp>
 #include <optional>
 #include <rubble/camera_info_t.hpp>
 #include <rubble/command_t.hpp>
+#include <rubble/revisit_request_t.hpp>
 #include <set>
 #include <utility>
 
+#include "common/checkpoint_writer.h"
 #include "common/error.h"
+#include "common/files.h"
 #include "common/robot_config.h"
 #include "lcm_io/channels.h"
+#include "map/map_file.h"
 #include "messages.h"
 #include "mono_map_publisher.h"
 #include "picture_decoder.h"
+#include "slam_mono/live_mono_slam.h"
 #include "slam_mono/mono_slam.h"
 #include "slam_mono_config.h"
 
@@ -30,6 +37,8 @@ using lcm_io::Node;
 using lcm_io::NodeStatus;
 using Intrinsics = common::RobotConfig::Intrinsics;
 
+constexpr std::size_t kMostRevisits = 20;  // keyframes of one request
+
 bool sameCamera(const Intrinsics& a, const Intrinsics& b) {
   return a.width == b.width && a.height == b.height && a.model == b.model && a.focal == b.focal &&
          a.centre == b.centre && a.distortion == b.distortion;
@@ -40,11 +49,17 @@ class SlamMonoNode : public Node {
   explicit SlamMonoNode(const lcm_io::ProcessContext& context)
       : bus_(context.bus),
         times_(context.times),
+        live_(context.live),
         config_(context.config.read<SlamMonoConfig>("slam_mono")),
         configured_camera_(context.config.read<common::RobotConfig>("robot").intrinsics),
         extractor_(config_.slam.orb) {
     // One thread is enough for small pictures, and the other core belongs to the other processes.
     cv::setNumThreads(0);
+    if (!context.state_dir.empty()) {
+      std::filesystem::create_directories(context.state_dir);
+      checkpoint_path_ = context.state_dir / "slam_mono.checkpoint";
+      checkpoint_.emplace(checkpoint_path_);
+    }
     bus_.subscribe<bot_core::image_t>(lcm_io::channel::kCamera, [this](const auto& m) { onPicture(m); });
     bus_.subscribe<rubble::camera_info_t>(lcm_io::channel::kCameraInfo,
                                           [this](const auto& m) { onCameraInfo(m); });
@@ -66,6 +81,7 @@ class SlamMonoNode : public Node {
       while (publisher_.behind()) {
         publishMap();
       }
+      checkpoint();
     }
   }
 
@@ -80,6 +96,11 @@ class SlamMonoNode : public Node {
   void onCameraInfo(const rubble::camera_info_t& info);
   void onCommand(const rubble::command_t& command);
   void start(const Intrinsics& camera, const char* source);
+  void restoreFresh();
+  void load(const std::filesystem::path& path);
+  void checkpoint();
+  void watchForRevisit(const FrameResult& result);
+  void requestRevisit();
   FrameResult track(Utime utime, Features features);
   void count(const FrameResult& result);
   /// The map, and the pictures that were located only now.
@@ -93,11 +114,12 @@ class SlamMonoNode : public Node {
 
   lcm_io::Bus& bus_;
   lcm_io::StageTimes* times_;
+  const bool live_;
   const SlamMonoConfig config_;
   const Intrinsics configured_camera_;
   OrbExtractor extractor_;
   std::optional<Intrinsics> camera_;  // What slam_ was made for.
-  std::optional<MonoSlam> slam_;
+  std::unique_ptr<SlamEngine> slam_;
   MonoMapPublisher publisher_;
 
   std::optional<Utime> first_picture_;  // The bus's time.
@@ -106,6 +128,15 @@ class SlamMonoNode : public Node {
   Utime last_utime_ = std::numeric_limits<Utime>::min();
   Utime last_map_utime_ = 0;
   bool camera_changed_ = false;
+
+  std::filesystem::path checkpoint_path_;  // Empty: nothing is kept.
+  std::optional<common::CheckpointWriter> checkpoint_;
+  std::shared_ptr<const Map> checkpoint_map_;
+  Utime last_checkpoint_ = 0;
+
+  int lost_map_id_ = 0;  // Where the camera was last known; 0: nowhere yet.
+  Utime last_known_ = 0;
+  Utime last_revisit_ = 0;
   TrackingState last_state_ = TrackingState::kInitializing;
   Counters counters_;
 };
@@ -146,6 +177,10 @@ void SlamMonoNode::onPicture(const bot_core::image_t& picture) {
       } while (publisher_.behind());
       last_map_utime_ = picture.utime;
     }
+    if (bus_.now() - last_checkpoint_ >= common::utimeFromSeconds(config_.checkpoint_period)) {
+      checkpoint();
+    }
+    watchForRevisit(result);
   }
 }
 
@@ -158,6 +193,24 @@ FrameResult SlamMonoNode::track(Utime utime, Features features) {
   }
   const lcm_io::StageTimer timer(times_, "track");
   return slam_->addFrame(utime, std::move(features));
+}
+
+void SlamMonoNode::watchForRevisit(const FrameResult& result) {
+  if (result.state == TrackingState::kTracking) {
+    // A new map is no way back: only the map that was lost, or what it was merged into, is.
+    if (lost_map_id_ == 0 || result.map_id <= lost_map_id_) {
+      lost_map_id_ = result.map_id;
+      last_known_ = result.utime;
+    }
+  } else if (lost_map_id_ == 0) {
+    return;
+  }
+  const double away = common::secondsFromUtime(result.utime - last_known_);
+  if (config_.revisit_after > 0.0 && away > config_.revisit_after &&
+      result.utime - last_revisit_ >= common::kMicrosecondsPerSecond) {
+    requestRevisit();
+    last_revisit_ = result.utime;
+  }
 }
 
 void SlamMonoNode::count(const FrameResult& result) {
@@ -179,16 +232,81 @@ void SlamMonoNode::onCameraInfo(const rubble::camera_info_t& info) {
 }
 
 void SlamMonoNode::start(const Intrinsics& camera, const char* source) {
-  slam_.emplace(Camera(camera), config_.slam);
+  if (live_) {
+    slam_ = std::make_unique<LiveMonoSlam>(Camera(camera), config_.slam);
+  } else {
+    slam_ = std::make_unique<MonoSlam>(Camera(camera), config_.slam);
+  }
   camera_ = camera;
   spdlog::info("calibration of {} x {} pixels from {}", camera.width, camera.height, source);
+  restoreFresh();
+}
+
+void SlamMonoNode::restoreFresh() {
+  const auto age = checkpoint_path_.empty() ? std::nullopt : common::fileAge(checkpoint_path_, bus_.now());
+  if (!age) {
+    return;
+  }
+  if (*age > config_.restore_within) {
+    spdlog::info("{} is {:.0f} s old: not restored, a new map begins", checkpoint_path_.string(), *age);
+    return;
+  }
+  try {
+    load(checkpoint_path_);
+    spdlog::info("restored from {}, {:.0f} s old", checkpoint_path_.string(), *age);
+  } catch (const common::Error& e) {
+    spdlog::error("{}: not restored, a new map begins: {}", checkpoint_path_.string(), e.what());
+  }
+}
+
+void SlamMonoNode::load(const std::filesystem::path& path) {
+  slam_->replaceMap(parseMap(common::readFile(path), Camera(*camera_), config_.slam.orb.levels));
+  publisher_ = {};
+}
+
+void SlamMonoNode::checkpoint() {
+  const auto map = slam_->map();
+  if (checkpoint_ && map->keyframeCount() > 0 && map != checkpoint_map_) {
+    checkpoint_->submit([map] { return serialiseMap(*map); });
+    checkpoint_map_ = map;
+  }
+  last_checkpoint_ = bus_.now();
+}
+
+void SlamMonoNode::requestRevisit() {
+  // Where the camera was last known, newest keyframe first: the way back.
+  const auto map = slam_->map();
+  rubble::revisit_request_t request{};
+  request.utime = last_utime_;
+  request.map_id = lost_map_id_;
+  auto ids = map->keyframes();
+  std::reverse(ids.begin(), ids.end());
+  for (const KeyframeId id : ids) {
+    if (map->keyframe(id)->map_id == lost_map_id_ && request.keyframes.size() < kMostRevisits) {
+      request.keyframes.push_back(keyframeMessage(*map->keyframe(id)));
+    }
+  }
+  request.n = static_cast<std::int32_t>(request.keyframes.size());
+  if (request.n > 0) {
+    bus_.publish(lcm_io::channel::kRevisitRequest, request);
+  }
 }
 
 void SlamMonoNode::onCommand(const rubble::command_t& command) {
   if (command.target != "slam_mono") {
     return;
   }
-  throw common::Error(fmt::format("unknown command `{}`; known: none yet", command.verb));
+  if (!slam_) {
+    throw common::Error(fmt::format("`{}` before the camera's calibration is known", command.verb));
+  }
+  if (command.verb == "save") {
+    common::writeFileAtomically(command.argument, serialiseMap(*slam_->map()));
+  } else if (command.verb == "load") {
+    load(command.argument);
+  } else {
+    throw common::Error(fmt::format("unknown command `{}`; known: save FILE, load FILE", command.verb));
+  }
+  spdlog::info("{} {}", command.verb, command.argument);
 }
 
 NodeStatus SlamMonoNode::status() const {
@@ -227,6 +345,10 @@ NodeStatus SlamMonoNode::status() const {
     status.state = "lost";
     status.level = NodeStatus::Level::kDegraded;
     status.detail = "the pictures show nothing of the map: relocalising; show it a place where it has been";
+  }
+  if (const std::string error = checkpoint_ ? checkpoint_->error() : std::string(); !error.empty()) {
+    status.level = NodeStatus::Level::kDegraded;
+    status.detail += (status.detail.empty() ? "" : "; ") + fmt::format("checkpoint: {}", error);
   }
   if (camera_changed_) {
     status.level = NodeStatus::Level::kDegraded;

@@ -140,16 +140,16 @@ TEST(TiledGrid, SaveAndLoadKeepsEverything) {
   GridSlamConfig config;
   GridMap map(config);
   map.write({-3.0, 2.0, 0.1}, std::vector<RayEnd>{{2.0F, 1.0F, true}, {1.0F, -3.0F, true}});
-  ByteWriter out;
+  common::ByteWriter out;
   map.save(out);
   GridMap copy(config);
-  ByteReader in(out.bytes());
+  common::ByteReader in(out.bytes(), "grid");
   copy.load(in);
   EXPECT_EQ(in.left(), 0U);
   for (std::size_t i = 0; i < map.levels().size(); ++i) {
     expectQuadsAreConsistent(copy.levels()[i]);
   }
-  ByteWriter again;
+  common::ByteWriter again;
   copy.save(again);
   EXPECT_EQ(out.bytes(), again.bytes());
 }

@@ -3,8 +3,8 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -21,7 +21,11 @@ class CheckpointWriter {
   CheckpointWriter(const CheckpointWriter&) = delete;
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
 
-  void submit(std::vector<std::uint8_t> bytes);
+  using Bytes = std::vector<std::uint8_t>;
+
+  void submit(Bytes bytes);
+  /// The bytes are made on the writer's thread: for a large state that lives on as an immutable snapshot.
+  void submit(std::function<Bytes()> make_bytes);
 
   /// Why the last write failed; empty when it did not.
   std::string error() const;
@@ -32,7 +36,7 @@ class CheckpointWriter {
   const std::filesystem::path path_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<std::vector<std::uint8_t>> waiting_;
+  std::function<Bytes()> waiting_;  // Empty: nothing waits.
   std::string error_;
   bool stopping_ = false;
   std::thread thread_;

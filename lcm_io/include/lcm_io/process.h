@@ -20,6 +20,9 @@ struct ProcessContext {
   std::filesystem::path state_dir;
   /// Where replay wants stage times; null live.
   StageTimes* times = nullptr;
+  /// The bus runs in real time: work may go to threads. Else (replay, a log as the bus) it waits for the
+  /// node.
+  bool live = false;
 };
 
 struct ProcessDescription {

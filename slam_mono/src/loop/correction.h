@@ -13,8 +13,7 @@ namespace rubble::slam_mono {
 /// are gone.
 bool closeLoop(LocalMapper& mapper, const LoopClosure& closure, const OctaveScales& scales);
 
-/// Steps that a full bundle adjustment takes at most.
-inline constexpr int kFullIterations = 10;
+inline constexpr BundleEffort kFullEffort{30, 1e-6};
 
 /// Full bundle adjustment of one map, as a problem to be solved anywhere.
 BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& scales);

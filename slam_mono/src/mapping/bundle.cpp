@@ -164,7 +164,7 @@ BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
   return problem;
 }
 
-void solveBundle(const Camera& camera, BundleProblem& problem, int iterations,
+void solveBundle(const Camera& camera, BundleProblem& problem, const BundleEffort& effort,
                  const std::atomic<bool>* stop) {
   std::vector<PoseBlock> poses;
   for (const common::Pose3& T : problem.T_camera_mono) {
@@ -205,8 +205,8 @@ void solveBundle(const Camera& camera, BundleProblem& problem, int iterations,
   constexpr std::size_t kDense = 60;  // Poses up to which a dense reduced system is the faster one.
   solver.linear_solver_type = free_poses <= kDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   solver.linear_solver_ordering = ordering;
-  solver.max_num_iterations = iterations;
-  solver.function_tolerance = 1e-4;
+  solver.max_num_iterations = effort.iterations;
+  solver.function_tolerance = effort.tolerance;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   StopCallback callback(stop);

@@ -33,9 +33,15 @@ struct BundleProblem {
 BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
                          std::span<const KeyframeId> fixed, const OctaveScales& scales);
 
+/// When to stop.
+struct BundleEffort {
+  int iterations = 5;
+  double tolerance = 1e-4;  ///< relative decrease of the cost
+};
+
 /// Minimises the Huber-weighted reprojection error with Ceres, points eliminated by the Schur complement.
-/// Deterministic.
-void solveBundle(const Camera& camera, BundleProblem& problem, int iterations,
+/// Deterministic, unless stopped from outside.
+void solveBundle(const Camera& camera, BundleProblem& problem, const BundleEffort& effort,
                  const std::atomic<bool>* stop = nullptr);
 
 /// Writes poses and points back, erases the outliers' observations, refreshes the points.

@@ -13,7 +13,7 @@ namespace rubble::slam_mono {
 
 namespace {
 
-constexpr int kStartIterations = 20;
+constexpr BundleEffort kStartEffort{30, 1e-6};
 constexpr std::size_t kMinStartPoints = 40;
 constexpr std::size_t kTinyMap = 5;      // keyframes
 constexpr double kMinFoundShare = 0.25;  // of the frames that should see a point
@@ -69,7 +69,7 @@ std::optional<KeyframeId> LocalMapper::start(const NewMap& request) {
   const std::array moving{second};
   const std::array fixed{first};
   BundleProblem problem = makeBundle(map_, moving, fixed, scales_);
-  solveBundle(camera_, problem, kStartIterations);
+  solveBundle(camera_, problem, kStartEffort);
   applyBundle(map_, problem, scales_);
   const auto seen = map_.keyframe(second)->points;
   const double distance = map_.medianDistance(second);
@@ -90,7 +90,7 @@ std::optional<KeyframeId> LocalMapper::start(const NewMap& request) {
   return second;
 }
 
-std::optional<KeyframeId> LocalMapper::insert(const NewKeyframe& request) {
+std::optional<KeyframeId> LocalMapper::insert(const NewKeyframe& request, bool with_adjustment) {
   const Keyframe* reference = map_.keyframe(request.pose.reference);
   countStatistics(request.statistics);
   if (reference == nullptr) {
@@ -118,7 +118,9 @@ std::optional<KeyframeId> LocalMapper::insert(const NewKeyframe& request) {
   cullPoints(id);
   triangulate(id);
   fuseNeighbours(id);
-  adjust(id);
+  if (with_adjustment) {
+    adjust(id);
+  }
   cullKeyframes(id);
   return id;
 }
@@ -360,7 +362,7 @@ void LocalMapper::adjust(KeyframeId newest) {
     moving.erase(moving.begin());
   }
   BundleProblem problem = makeBundle(map_, moving, fixed, scales_);
-  solveBundle(camera_, problem, config_.mapping.iterations);
+  solveBundle(camera_, problem, {.iterations = config_.mapping.iterations});
   applyBundle(map_, problem, scales_);
 }
 

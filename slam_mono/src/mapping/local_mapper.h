@@ -19,8 +19,9 @@ class LocalMapper {
   /// Starts another map. Empty when the two views do not hold against bundle adjustment. Tiny maps that were
   /// left behind are dropped.
   std::optional<KeyframeId> start(const NewMap& request);
-  /// Empty when the map has lost the keyframe's reference meanwhile.
-  std::optional<KeyframeId> insert(const NewKeyframe& request);
+  /// Empty when the map has lost the keyframe's reference meanwhile. Bundle adjustment may be left to the
+  /// next keyframe when that one is waiting already.
+  std::optional<KeyframeId> insert(const NewKeyframe& request, bool with_adjustment = true);
 
   Map& map() { return map_; }
   const Map& map() const { return map_; }

@@ -98,7 +98,7 @@ FrameResult Tracker::locatedAt(const Map& map, common::Utime utime, const Keyfra
 }
 
 Tracker::Output Tracker::track(const std::shared_ptr<const Frame>& frame,
-                               const std::shared_ptr<const Map>& map, bool mapper_idle) {
+                               const std::shared_ptr<const Map>& map, bool mapper_free) {
   std::optional<Match> match;
   bool relocalised = false;
   if (map->keyframeCount() > 0 && frame->size() >= kMinFeatures) {
@@ -131,7 +131,7 @@ Tracker::Output Tracker::track(const std::shared_ptr<const Frame>& frame,
     state_ = TrackingState::kTracking;
     initializer_.reset();
     accept(frame, *map, std::move(*match));
-    if (needsKeyframe(*frame, *map, mapper_idle)) {
+    if (needsKeyframe(*frame, *map, mapper_free)) {
       output.request = requestKeyframe();
     }
   } else {
@@ -140,8 +140,9 @@ Tracker::Output Tracker::track(const std::shared_ptr<const Frame>& frame,
       lost_since_ = frame->utime;
     }
     const double lost_for = common::secondsFromUtime(frame->utime - lost_since_);
-    const bool may_start = state_ == TrackingState::kInitializing || lost_for > config_.tracking.new_map_after;
-    if (may_start && mapper_idle && !config_.localisation_only) {
+    const bool may_start =
+        state_ == TrackingState::kInitializing || lost_for > config_.tracking.new_map_after;
+    if (may_start && mapper_free && !config_.localisation_only) {
       if (auto start = initializer_.addFrame(frame)) {
         between_ = start->between;
         output.request = std::move(*start);
@@ -349,8 +350,8 @@ void Tracker::accept(const std::shared_ptr<const Frame>& frame, const Map& map, 
                match.T_camera_mono};
 }
 
-bool Tracker::needsKeyframe(const Frame& frame, const Map& map, bool mapper_idle) const {
-  if (config_.localisation_only || !mapper_idle) {
+bool Tracker::needsKeyframe(const Frame& frame, const Map& map, bool mapper_free) const {
+  if (config_.localisation_only || !mapper_free) {
     return false;
   }
   const double since = common::secondsFromUtime(frame.utime - last_keyframe_);

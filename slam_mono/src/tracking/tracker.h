@@ -23,9 +23,9 @@ class Tracker {
     FrameResult result;
     MapRequest request;
   };
-  /// `mapper_idle`: a keyframe would be taken up at once.
+  /// `mapper_free`: a keyframe would be taken up soon.
   Output track(const std::shared_ptr<const Frame>& frame, const std::shared_ptr<const Map>& map,
-               bool mapper_idle);
+               bool mapper_free);
 
   /// The map that was asked for stands, `second` is the keyframe of its second view: tracking goes on there.
   /// Returns poses of the frames that waited for it, oldest first.
@@ -65,7 +65,7 @@ class Tracker {
   std::optional<Match> seekOlderMap(const Frame& frame, const std::shared_ptr<const Map>& map);
   void updateLocal(const Map& map, const PointMatches& points);
   void accept(const std::shared_ptr<const Frame>& frame, const Map& map, Match match);
-  bool needsKeyframe(const Frame& frame, const Map& map, bool mapper_idle) const;
+  bool needsKeyframe(const Frame& frame, const Map& map, bool mapper_free) const;
   MapRequest requestKeyframe();
 
   const Camera& camera_;
