@@ -49,7 +49,8 @@ void visit(common::ConfigSection& section, MonoSlamConfig& config) {
                "of 300 features for a place to be looked at");
   loop.integer("min_inliers", config.loop.min_inliers, "", 8, 500, "of the first similarity");
   loop.integer("min_matches", config.loop.min_matches, "", 10, 1000, "map points in common in the end");
-  loop.number("min_share", config.loop.min_share, "", 0.0, 1.0, "of the place's points in view that have to agree");
+  loop.number("min_share", config.loop.min_share, "", 0.0, 1.0,
+              "of the place's points in view that have to agree");
   loop.number("max_drift", config.loop.max_drift, "", 0.0, 10.0,
               "of the way since the place that a closure may correct");
   loop.integer("confirmations", config.loop.confirmations, "", 1, 20, "keyframes that have to say the same");
