@@ -14,6 +14,10 @@
 #define RUBBLE_SLAM_LIDAR_KERNEL_FRAME
 namespace rubble::slam_lidar {
 
+/// Vectors are no wider than AVX2's, so that machines with wider ones sum in the same order: a last bit decides
+/// whether a long loop closes by itself, and a log shall replay alike everywhere.
+constexpr std::size_t kLanes = 8;
+
 // TiledGrid::occupancyByte: unknown, and how far the sure cases are from it.
 constexpr float kUnknown = 128.0F;
 constexpr double kAgreeScale = 127.0;
@@ -41,7 +45,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 template <bool kWithJacobian>
 KernelSums sumOverPoints(const GridView& grid, const PointSet& points, const KernelFrame& frame) {
-  const hn::CappedTag<float, PointSet::kPadding> df;
+  const hn::CappedTag<float, kLanes> df;
   const hn::RebindToSigned<decltype(df)> di;
   const hn::RebindToUnsigned<decltype(df)> du;
   using F = hn::Vec<decltype(df)>;
