@@ -83,19 +83,15 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3> 
     }
     r = weight_ * (*pixel - pixel_);
     if (jacobians != nullptr) {
-      const Eigen::Matrix<double, 2, 3> J = weight_ * camera_.projectJacobian(p_camera);
+      const Eigen::Matrix<double, 2, 6> J = weight_ * poseJacobian(camera_, p_camera);
       if (jacobians[0] != nullptr) {
         Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>> J_pose(jacobians[0]);
-        Eigen::Matrix3d turn;
-        turn << 0.0, p_camera.z(), -p_camera.y(), -p_camera.z(), 0.0, p_camera.x(), p_camera.y(),
-            -p_camera.x(), 0.0;
-        J_pose.leftCols<3>() = J;
-        J_pose.middleCols<3>(3) = J * turn;
+        J_pose.leftCols<6>() = J;
         J_pose.col(6).setZero();
       }
       if (jacobians[1] != nullptr) {
         Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> J_point(jacobians[1]);
-        J_point = J * T_camera_mono.linear();
+        J_point = J.leftCols<3>() * T_camera_mono.linear();
       }
     }
     return true;
