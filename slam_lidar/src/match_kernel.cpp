@@ -14,8 +14,8 @@
 #define RUBBLE_SLAM_LIDAR_KERNEL_FRAME
 namespace rubble::slam_lidar {
 
-/// Vectors are no wider than AVX2's, so that machines with wider ones sum in the same order: a last bit decides
-/// whether a long loop closes by itself, and a log shall replay alike everywhere.
+/// Vectors are no wider than AVX2's, so that machines with wider ones sum in the same order: a last bit
+/// decides whether a long loop closes by itself, and a log shall replay alike everywhere.
 constexpr std::size_t kLanes = 8;
 
 // TiledGrid::occupancyByte: unknown, and how far the sure cases are from it.

@@ -35,10 +35,10 @@ std::optional<Relocaliser::Pose> Relocaliser::match(const Frame& frame, const Ma
 }
 
 std::vector<Place> Relocaliser::places(const Frame& frame, const std::shared_ptr<const Map>& map,
-                                       int except_map) {
+                                       std::optional<int> before_map) {
   table_.update(map);
   auto places = table_.recognise(
-      frame, [&](const Keyframe& k) { return k.map_id == except_map; }, kPlaces);
+      frame, [&](const Keyframe& k) { return before_map && k.map_id >= *before_map; }, kPlaces);
   std::erase_if(places, [](const Place& p) { return p.votes < kMinVotes; });
   return places;
 }

@@ -25,8 +25,10 @@ class Relocaliser {
   /// Against some points of one map.
   std::optional<Pose> match(const Frame& frame, const Map& map, const LocalPoints& local) const;
 
-  /// Places in the whole map that look like the frame, best first; only in maps other than `except_map`.
-  std::vector<Place> places(const Frame& frame, const std::shared_ptr<const Map>& map, int except_map = -1);
+  /// Places in the whole map that look like the frame, best first; only in maps older than
+  /// `before_map` where that is given.
+  std::vector<Place> places(const Frame& frame, const std::shared_ptr<const Map>& map,
+                            std::optional<int> before_map = {});
 
  private:
   const Camera& camera_;
