@@ -23,7 +23,9 @@ class ByteWriter {
   void putAll(std::span<const T> values) {
     const std::size_t end = bytes_.size();
     bytes_.resize(end + values.size_bytes());
-    std::memcpy(bytes_.data() + end, values.data(), values.size_bytes());
+    if (!values.empty()) {
+      std::memcpy(bytes_.data() + end, values.data(), values.size_bytes());
+    }
   }
   std::vector<std::uint8_t>& bytes() { return bytes_; }
 
