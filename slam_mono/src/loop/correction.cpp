@@ -27,12 +27,6 @@ void fuseEnds(LocalMapper& mapper, std::span<const KeyframeId> here, std::span<c
   }
 }
 
-std::vector<KeyframeId> around(const Map& map, KeyframeId id) {
-  auto ids = map.neighbours(id, kAround);
-  ids.push_back(id);
-  return ids;
-}
-
 /// Pairs of the essential graph: spanning tree, strong covisibility, earlier loops.
 std::set<std::pair<KeyframeId, KeyframeId>> essentialPairs(const Map& map, int map_id) {
   std::set<std::pair<KeyframeId, KeyframeId>> pairs;
@@ -84,7 +78,7 @@ void spreadCorrection(LocalMapper& mapper, const LoopClosure& closure, const Oct
     }
   }
   // The keyframe and its neighbours jump to where the place says they are, with all they see.
-  const auto here = around(map, closure.keyframe);
+  const auto here = map.around(closure.keyframe, kAround);
   std::unordered_map<KeyframeId, Sim3> S_jumped;
   std::unordered_map<PointId, KeyframeId> carrier;  // Of the points that jumped.
   const Sim3 S_back = closure.S_place_keyframe.inverse();
@@ -99,7 +93,7 @@ void spreadCorrection(LocalMapper& mapper, const LoopClosure& closure, const Oct
   for (const KeyframeId id : here) {
     moveKeyframe(map, id, S_jumped.at(id));
   }
-  const auto there = around(map, closure.place);
+  const auto there = map.around(closure.place, kAround);
   std::vector<KeyframeId> others;
   std::copy_if(there.begin(), there.end(), std::back_inserter(others),
                [&](KeyframeId id) { return !S_jumped.contains(id); });
@@ -166,7 +160,7 @@ void mergeMaps(LocalMapper& mapper, const LoopClosure& closure) {
   } else {
     map.transform(into, closure.S_place_keyframe.inverse(), from);
   }
-  fuseEnds(mapper, around(map, closure.keyframe), around(map, closure.place));
+  fuseEnds(mapper, map.around(closure.keyframe, kAround), map.around(closure.place, kAround));
 }
 
 }  // namespace

@@ -70,9 +70,8 @@ std::optional<LoopClosure> LoopCloser::verify(const Map& map, KeyframeId keyfram
   });
   around.push_back(place);
   const LocalPoints local = gatherPoints(map, around);
-  const auto pairsOf = [&](const PointMatches& matches, std::vector<std::uint32_t>& features) {
+  const auto pairsOf = [&](const PointMatches& matches) {
     std::vector<PointPair> pairs;
-    features.clear();
     for (std::uint32_t i = 0; i < matches.size(); ++i) {
       const PointId own = a.points[i];
       if (matches[i] == kNoPoint || own == kNoPoint || own == matches[i]) {
@@ -88,15 +87,13 @@ std::optional<LoopClosure> LoopCloser::verify(const Map& map, KeyframeId keyfram
       const double sigma = scales_[a.frame->features.octave[i]];
       pairs.push_back({a.T_camera_mono * map.point(own)->p_mono_point, p_b, a.frame->pixel(i), *pixel_b,
                        sigma, seen ? scales_[b.frame->features.octave[*seen]] : sigma});
-      features.push_back(i);
     }
     return pairs;
   };
-  std::vector<std::uint32_t> features;
   Sim3Config config;
   config.min_inliers = config_.min_inliers;
-  const auto first = solveSim3(
-      camera_, pairsOf(matchExhaustively(local, *a.frame, kMaxDistance, kMaxRatio), features), config);
+  const auto first =
+      solveSim3(camera_, pairsOf(matchExhaustively(local, *a.frame, kMaxDistance, kMaxRatio)), config);
   if (!first) {
     return std::nullopt;
   }
@@ -115,7 +112,7 @@ std::optional<LoopClosure> LoopCloser::verify(const Map& map, KeyframeId keyfram
                               visible);
     return matches;
   };
-  const auto pairs = pairsOf(search(first->S_a_b, nullptr), features);
+  const auto pairs = pairsOf(search(first->S_a_b, nullptr));
   if (pairs.size() < static_cast<std::size_t>(config_.min_inliers)) {
     return std::nullopt;
   }

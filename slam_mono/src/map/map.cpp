@@ -319,6 +319,12 @@ std::vector<KeyframeId> Map::neighbours(KeyframeId id, std::size_t n, std::size_
   return found;
 }
 
+std::vector<KeyframeId> Map::around(KeyframeId id, std::size_t n) const {
+  auto ids = neighbours(id, n);
+  ids.push_back(id);
+  return ids;
+}
+
 double Map::medianDistance(KeyframeId id) const {
   const Keyframe& k = *keyframe(id);
   std::vector<double> distances;

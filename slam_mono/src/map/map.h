@@ -107,6 +107,8 @@ class Map {
   void refreshCovisibility(KeyframeId id);
   /// The n keyframes with most points in common, and n_second of each of theirs; never `id` itself.
   std::vector<KeyframeId> neighbours(KeyframeId id, std::size_t n, std::size_t n_second = 0) const;
+  /// The keyframe itself and the n with most points in common, itself last.
+  std::vector<KeyframeId> around(KeyframeId id, std::size_t n) const;
   /// Median distance of its points from the keyframe; 0 without points.
   double medianDistance(KeyframeId id) const;
 

@@ -26,11 +26,6 @@ void LocalPoints::add(PointId id, const MapPoint& point) {
   descriptors.push_back(point.descriptor);
 }
 
-void LocalPoints::clear() {
-  points.clear();
-  descriptors.clear();
-}
-
 LocalPoints gatherPoints(const Map& map, std::span<const KeyframeId> keyframes) {
   std::vector<PointId> ids;
   for (const KeyframeId id : keyframes) {

@@ -30,7 +30,6 @@ struct LocalPoints {
   std::vector<Descriptor> descriptors;  ///< same order
 
   void add(PointId id, const MapPoint& point);
-  void clear();
   std::size_t size() const { return points.size(); }
 };
 

@@ -165,7 +165,7 @@ void LocalMapper::triangulate(KeyframeId newest) {
   }
 }
 
-int LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
+void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
   const Keyframe& a = *map_.keyframe(newest);
   const Keyframe& b = *map_.keyframe(other);
   const common::Pose3 T_b_a = b.T_camera_mono * a.T_camera_mono.inverse();
@@ -239,7 +239,6 @@ int LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
     }
   }
   const std::vector<bool> consistent = consistentTurns(turns);
-  int made = 0;
   for (std::size_t k = 0; k < claimed.size(); ++k) {
     if (!consistent[k]) {
       continue;
@@ -280,9 +279,7 @@ int LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
     map_.addObservation(id, other, j);
     map_.refreshPoint(id, scales_);
     recent_.push_back(id);
-    ++made;
   }
-  return made;
 }
 
 void LocalMapper::fuse(KeyframeId keyframe, const LocalPoints& points, double radius_factor) {

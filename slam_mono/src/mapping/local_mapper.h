@@ -35,7 +35,7 @@ class LocalMapper {
   void countStatistics(const PointStatistics& statistics);
   void cullPoints(KeyframeId newest);
   void triangulate(KeyframeId newest);
-  int triangulateWith(KeyframeId newest, KeyframeId other);
+  void triangulateWith(KeyframeId newest, KeyframeId other);
   void fuseNeighbours(KeyframeId newest);
   void adjust(KeyframeId newest);
   void cullKeyframes(KeyframeId newest);

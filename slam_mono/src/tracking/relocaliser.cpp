@@ -31,7 +31,7 @@ std::optional<Relocaliser::Pose> Relocaliser::match(const Frame& frame, const Ma
       points[features[k]] = kNoPoint;
     }
   }
-  return Pose{pose->T_camera_mono, std::move(points), kNoKeyframe};
+  return Pose{pose->T_camera_mono, std::move(points)};
 }
 
 std::vector<Place> Relocaliser::places(const Frame& frame, const std::shared_ptr<const Map>& map,

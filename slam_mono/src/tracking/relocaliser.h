@@ -19,7 +19,6 @@ class Relocaliser {
   struct Pose {
     common::Pose3 T_camera_mono;
     PointMatches points;
-    KeyframeId keyframe = kNoKeyframe;  ///< at the place
   };
 
   /// Against some points of one map.

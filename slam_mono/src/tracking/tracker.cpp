@@ -299,16 +299,12 @@ std::optional<Tracker::Match> Tracker::relocalise(const Frame& frame, const std:
   };
   const Keyframe* reference = map->keyframe(local_reference_);
   if (reference != nullptr) {
-    auto around = map->neighbours(reference->id, kAroundPlace);
-    around.push_back(reference->id);
-    if (auto match = confirm(gatherPoints(*map, around))) {
+    if (auto match = confirm(gatherPoints(*map, map->around(reference->id, kAroundPlace)))) {
       return match;
     }
   }
   for (const Place& place : relocaliser_.places(frame, map)) {
-    auto around = map->neighbours(place.keyframe, kAroundPlace);
-    around.push_back(place.keyframe);
-    if (auto match = confirm(gatherPoints(*map, around))) {
+    if (auto match = confirm(gatherPoints(*map, map->around(place.keyframe, kAroundPlace)))) {
       return match;
     }
   }
@@ -323,9 +319,8 @@ std::optional<Tracker::Match> Tracker::seekOlderMap(const Frame& frame,
   }
   const LocalPoints local_before = local_;
   for (const Place& place : relocaliser_.places(frame, map, reference->map_id)) {
-    auto around = map->neighbours(place.keyframe, kAroundPlace);
-    around.push_back(place.keyframe);
-    if (auto pose = relocaliser_.match(frame, *map, gatherPoints(*map, around))) {
+    const LocalPoints local = gatherPoints(*map, map->around(place.keyframe, kAroundPlace));
+    if (auto pose = relocaliser_.match(frame, *map, local)) {
       local_age_ = kMaxLocalAge;
       const Match start{pose->T_camera_mono, std::move(pose->points), {}, 0};
       if (auto match = refine(frame, *map, start, config_.tracking.relocalisation_inliers, kWideRadius)) {
