@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr int kLevels = 8;
-constexpr std::size_t kFeatures = 20;
+constexpr std::uint32_t kFeatures = 20;
 
 std::string parseError(std::span<const std::uint8_t> bytes) {
   return test::errorOf([&] { parseMap(bytes, arenaCamera(), kLevels); });
