@@ -1,6 +1,4 @@
-#include <memory>
-
-#include "lcm_io/placeholder_node.h"
+#include "fusion/fusion_node.h"
 #include "lcm_io/process.h"
 
 int main(int argc, char** argv) {
@@ -9,9 +7,6 @@ int main(int argc, char** argv) {
       {.name = "fusion",
        .purpose =
            "Fuses LIDAR_POSE and MONO_POSE into ROBOT_POSE and owns LIDAR_CONTROL and STABILIZER_COMMAND.",
-       .make_node =
-           [](const auto&) {
-             return std::make_unique<rubble::lcm_io::PlaceholderNode>("the fusion is not written yet");
-           },
-       .describe_config = [](const auto&) { return std::string("# no parameters yet\n"); }});
+       .make_node = rubble::fusion::makeNode,
+       .describe_config = rubble::fusion::describeConfig});
 }

@@ -136,6 +136,10 @@ void GridSlam::State::writeIfDue(const ScanInput& input, ScanResult& result) {
       result.status != MatchStatus::kGood) {
     return;
   }
+  const auto tilt = [](const Attitude& a) { return std::hypot(a.roll, a.pitch); };
+  if (std::max(tilt(input.attitude_first), tilt(input.attitude_last)) > config.map.max_tilt) {
+    return;
+  }
   const common::Pose2 moved = tracking.T_world_written.inverse() * tracking.T_world_lidar;
   const bool first = map.empty() && pending.empty();
   if (!young() && !tracking.write_next && moved.translation().norm() < config.map.write_distance &&

@@ -13,6 +13,8 @@ void visit(common::ConfigSection& section, GridSlamConfig& config) {
   map.number("write_distance", config.map.write_distance, "m", 0.0, 10.0,
              "way after which a scan is written");
   map.number("write_angle", config.map.write_angle, "rad", 0.0, 3.2, "turn after which a scan is written");
+  map.number("max_tilt", config.map.max_tilt, "rad", 0.0, 1.6,
+             "of the LiDAR's plane; a scan that is tilted more is matched but not written");
 
   auto& scan = section.section("scan", "the LiDAR and which of its beams count");
   scan.number("min_range", config.scan.min_range, "m", 0.0, 10.0, "nearer beams are ignored");

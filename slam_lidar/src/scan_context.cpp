@@ -17,10 +17,7 @@ void ScanContext::addPlate(Utime utime, double roll, double pitch) {
   plate_.add(utime, {roll, pitch});
 }
 
-void ScanContext::addBody(Utime utime, const Pose3& T_world_body) {
-  const common::RollPitchYaw rpy = common::rpyFromRotation(T_world_body.linear());
-  body_.add(utime, {rpy.roll, rpy.pitch});
-}
+void ScanContext::addBody(Utime utime, const Pose3& T_world_body) { body_.add(utime, T_world_body); }
 
 void ScanContext::addOdometry(Utime utime, const Pose3& T_odom_body) { odometry_.add(utime, T_odom_body); }
 
@@ -29,36 +26,50 @@ bool ScanContext::complete(Utime first, Utime last) const {
          (odometry_.silent(first) || odometry_.covers(first));
 }
 
+Pose3 ScanContext::T_body_lidar(Utime utime) const {
+  const auto plate = plate_.at(utime);
+  const Eigen::Vector2d angles =
+      plate ? plate->value : (plate_.empty() ? Eigen::Vector2d::Zero() : plate_.newest());
+  return robot_.T_body_plate(angles.x(), angles.y()) * robot_.lidar.pose();
+}
+
 ScanContext::Tilt ScanContext::tiltAt(Utime utime) const {
-  Tilt tilt;
-  const auto angles = [&](const History<Eigen::Vector2d>& history) -> Eigen::Vector2d {
-    if (history.empty()) {
-      return {0.0, 0.0};
-    }
-    const auto sample = history.at(utime);
-    tilt.extrapolated = tilt.extrapolated || !sample || sample->extrapolated;
-    return sample ? sample->value : history.newest();
+  const auto body = body_.at(utime);
+  const auto plate = plate_.at(utime);
+  const auto guessed = [](const auto& history, const auto& sample) {
+    return !history.empty() && (!sample || sample->extrapolated);
   };
-  const Eigen::Vector2d body = angles(body_);
-  const Eigen::Vector2d plate = angles(plate_);
-  const Eigen::Matrix3d R_level_body = common::rotationFromRpy({body.x(), body.y(), 0.0});
-  const Pose3 T_body_lidar = robot_.T_body_plate(plate.x(), plate.y()) * robot_.lidar.pose();
-  const common::RollPitchYaw rpy = common::rpyFromRotation(R_level_body * T_body_lidar.linear());
+  Tilt tilt;
+  tilt.extrapolated = guessed(body_, body) || guessed(plate_, plate);
+  Pose3 T_world_body = Pose3::Identity();
+  if (!body_.empty()) {
+    T_world_body = body ? body->value : body_.newest();
+  }
+  const common::RollPitchYaw rpy =
+      common::rpyFromRotation(T_world_body.linear() * T_body_lidar(utime).linear());
   tilt.attitude = {rpy.roll, rpy.pitch};
   return tilt;
 }
 
-std::optional<MotionPrior> ScanContext::takePrior(Utime utime) {
-  const std::optional<Pose3> last = std::exchange(T_odom_lidar_last_, std::nullopt);
-  const auto sample = odometry_.at(utime);
-  if (!sample) {
+std::optional<MotionPrior> ScanContext::takePrior(Utime utime, PriorSource source) {
+  const std::optional<Pose3> T_odom_last = std::exchange(T_odom_lidar_last_, std::nullopt);
+  const std::optional<common::Pose2> T_world_last = std::exchange(T_world_lidar_last_, std::nullopt);
+  if (const auto body = body_.at(utime)) {
+    const Pose3 T = body->value * T_body_lidar(utime);
+    T_world_lidar_last_ = {T.translation().x(), T.translation().y(), common::rpyFromRotation(T.linear()).yaw};
+  }
+  if (const auto odometry = odometry_.at(utime)) {
+    T_odom_lidar_last_ = odometry->value * robot_.T_body_lidar();
+  }
+  if (source == PriorSource::kFusedPose) {
+    return T_world_last && T_world_lidar_last_
+               ? std::optional(MotionPrior{T_world_last->inverse() * *T_world_lidar_last_})
+               : std::nullopt;
+  }
+  if (!T_odom_last || !T_odom_lidar_last_) {
     return std::nullopt;
   }
-  T_odom_lidar_last_ = sample->value * robot_.T_body_lidar();
-  if (!last) {
-    return std::nullopt;
-  }
-  const Pose3 T_last_now = last->inverse() * *T_odom_lidar_last_;
+  const Pose3 T_last_now = T_odom_last->inverse() * *T_odom_lidar_last_;
   const double yaw = common::rpyFromRotation(T_last_now.linear()).yaw;
   return MotionPrior{.T_previous_now = {T_last_now.translation().x(), T_last_now.translation().y(), yaw}};
 }

@@ -3,15 +3,15 @@
 #include <optional>
 
 #include "common/geometry.h"
+#include "common/history.h"
 #include "common/robot_config.h"
 #include "common/time.h"
-#include "history.h"
 #include "slam_lidar/grid_slam.h"
 
 namespace rubble::slam_lidar {
 
 /// What the other sensors say about a scan: the LiDAR's tilt from the plate and the body, and its motion
-/// since the last scan from odometry.
+/// since the last scan from odometry or, while nothing is matched (M), from the fused pose.
 class ScanContext {
  public:
   struct Tilt {
@@ -23,7 +23,8 @@ class ScanContext {
 
   /// Plate angles (rad) as measured. Throws common::Error when not finite.
   void addPlate(common::Utime utime, double roll, double pitch);
-  /// T_world_body as fused: its tilt alone is kept, no position or heading may leak into the match.
+  /// T_world_body as fused: its tilt, and its motion while nothing is matched. Neither position nor heading may leak
+  /// into a match.
   void addBody(common::Utime utime, const common::Pose3& T_world_body);
   void addOdometry(common::Utime utime, const common::Pose3& T_odom_body);
 
@@ -34,15 +35,20 @@ class ScanContext {
   /// not reach `utime` keeps its last value.
   Tilt tiltAt(common::Utime utime) const;
 
-  /// The LiDAR's motion since the last call; empty when odometry does not cover both ends.
-  std::optional<MotionPrior> takePrior(common::Utime utime);
+  enum class PriorSource { kOdometry, kFusedPose };
+  /// The LiDAR's motion in the level plane since the last call; empty when the source does not cover both ends.
+  std::optional<MotionPrior> takePrior(common::Utime utime, PriorSource source);
 
  private:
+  /// With the plate as it stood.
+  common::Pose3 T_body_lidar(common::Utime utime) const;
+
   const common::RobotConfig robot_;
-  History<Eigen::Vector2d> plate_;   // roll, pitch of the plate on the body
-  History<Eigen::Vector2d> body_;    // roll, pitch of the body in the level frame
-  History<common::Pose3> odometry_;  // T_odom_body
+  common::History<Eigen::Vector2d> plate_;   // roll, pitch of the plate on the body
+  common::History<common::Pose3> body_;      // T_world_body
+  common::History<common::Pose3> odometry_;  // T_odom_body
   std::optional<common::Pose3> T_odom_lidar_last_;
+  std::optional<common::Pose2> T_world_lidar_last_;  // As fused.
 };
 
 }  // namespace rubble::slam_lidar

@@ -41,6 +41,9 @@ using rubble::lidar_pose_t;
 /// Search window (m, rad) around the last pose after a restart: the robot may have moved on meanwhile.
 constexpr double kRestoreDistance = 3.0;
 constexpr double kRestoreAngle = 3.15;
+/// The same after M, through which vision has carried the pose.
+constexpr double kReturnDistance = 1.0;
+constexpr double kReturnAngle = 0.3;
 /// Scans that wait for their attitude at the same time; more mean that time stands still.
 constexpr std::size_t kMostWaiting = 100;
 
@@ -195,6 +198,9 @@ class SlamLidarNode : public Node {
     }
     if (!control_ || control.state != control_->state) {
       spdlog::info("control state {}", "HMR"[control.state]);
+      if (control.state == lidar_control_t::STATE_R) {
+        grid_.relocalise(grid_.pose(), kReturnDistance, kReturnAngle);
+      }
     }
     control_ = control;
     control_received_ = bus_.now();
@@ -273,8 +279,10 @@ class SlamLidarNode : public Node {
     input.attitude_first = first.attitude;
     input.attitude_last = last.attitude;
     input.attitude_extrapolated = first.extrapolated || last.extrapolated;
-    input.prior = context_.takePrior(message.utime);
     input.mode = scanMode();
+    input.prior = context_.takePrior(message.utime, input.mode == ScanMode::kIgnore
+                                                        ? ScanContext::PriorSource::kFusedPose
+                                                        : ScanContext::PriorSource::kOdometry);
     input.hold_write = control_.has_value();
 
     ScanResult result;

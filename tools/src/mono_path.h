@@ -1,12 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <map>
-#include <optional>
 #include <rubble/mono_map_t.hpp>
 #include <vector>
 
+#include "common/keyframe_poses.h"
 #include "common/trajectory.h"
 
 namespace rubble::tools {
@@ -27,23 +25,8 @@ class MonoPath {
   Result corrected() const;
 
  private:
-  /// A keyframe or picture: relative to another keyframe, or in mono (parent -1).
-  struct Anchor {
-    std::int32_t map_id = 0;
-    std::int32_t parent = -1;
-    double parent_scale = 1.0;
-    common::Pose3 T_parent_camera = common::Pose3::Identity();
-    double scale = 1.0;  // Of a keyframe, when T_parent_camera was as it is here.
-  };
-  struct Frame {
-    common::Utime utime = 0;
-    Anchor anchor;
-  };
-
-  std::optional<Anchor> inMono(Anchor anchor) const;
-
-  std::map<std::int32_t, Anchor> keyframes_;
-  std::vector<Frame> frames_;
+  common::KeyframePoses keyframes_;
+  std::vector<common::AnchoredPose> pictures_;
 };
 
 }  // namespace rubble::tools

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::array kStatusNames = {"good", "uncertain", "lost", "unmatched"};
 constexpr std::array kStateNames = {'H', 'M', 'R'};
+constexpr std::array kAttitudeNames = {"attitude_known", "attitude_unknown"};
 constexpr std::array kMonoStateNames = {"initializing", "tracking", "lost"};
 
 template <typename Names>
@@ -44,6 +45,8 @@ Recorder::Recorder(lcm_io::Bus& bus)
   bus.subscribe<rubble::grid_map_t>(lcm_io::channel::kGridMap,
                                     [this](const auto& map) { levels_[map.level].add(map); });
   bus.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose, [this](const auto& pose) { addPose(pose); });
+  bus.subscribe<rubble::robot_pose_t>(lcm_io::channel::kRobotPose,
+                                      [this](const auto& pose) { addPose(pose); });
   bus.subscribe<rubble::mono_map_t>(lcm_io::channel::kMonoMap,
                                     [this](const auto& map) { mono_path_.add(map); });
 }
@@ -74,6 +77,18 @@ void Recorder::addPose(const rubble::mono_pose_t& pose) {
   }
 }
 
+void Recorder::addPose(const rubble::robot_pose_t& pose) {
+  const common::Pose3 T_world_body = lcm_io::poseFromMessage(pose.p_world_body, pose.q_world_body);
+  const Eigen::Vector3d p = T_world_body.translation();
+  const common::RollPitchYaw rpy = common::rpyFromRotation(T_world_body.linear());
+  poses_csv_ += fmt::format(
+      "fused,{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},,{},{},{},,,{:.6g},{:.6g},{:.6g}\n",
+      seconds(pose.utime), p.x(), p.y(), p.z(), rpy.roll, rpy.pitch, rpy.yaw, pose.level,
+      nameOf(kStateNames, pose.control_state), nameOf(kAttitudeNames, pose.attitude),
+      std::sqrt(pose.covariance[0]), std::sqrt(pose.covariance[7]), std::sqrt(pose.covariance[35]));
+  fused_.push_back({pose.utime, T_world_body});
+}
+
 void Recorder::writeMono(const std::filesystem::path& dir) const {
   common::writeTum(dir / "trajectory_mono.tum", mono_);
   const MonoPath::Result path = mono_path_.corrected();
@@ -98,6 +113,8 @@ void Recorder::write(const std::filesystem::path& dir) const {
   // Grid SLAM does not correct the past, so what was published is final.
   common::writeTum(dir / "trajectory_lidar_final.tum", lidar_);
   writeMono(dir);
+  common::writeTum(dir / "trajectory_fused.tum", fused_);
+  common::writeTum(dir / "trajectory_fused_final.tum", fused_);
   common::writeFileAtomically(dir / "poses.csv", poses_csv_);
   for (const auto& [level, grid] : levels_) {
     if (!grid.empty()) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <rubble/lidar_pose_t.hpp>
 #include <rubble/mono_pose_t.hpp>
+#include <rubble/robot_pose_t.hpp>
 #include <string>
 
 #include "common/trajectory.h"
@@ -19,7 +20,7 @@ class Recorder {
  public:
   explicit Recorder(lcm_io::Bus& bus);
 
-  bool empty() const { return lidar_.empty() && mono_pictures_ == 0; }
+  bool empty() const { return lidar_.empty() && fused_.empty() && mono_pictures_ == 0; }
 
   /// Says on stderr which pictures have no place in the final monocular trajectory: those of smaller maps,
   /// and those whose keyframe was lost on the bus. Throws common::Error naming the file that cannot be
@@ -29,10 +30,12 @@ class Recorder {
  private:
   void addPose(const rubble::lidar_pose_t& pose);
   void addPose(const rubble::mono_pose_t& pose);
+  void addPose(const rubble::robot_pose_t& pose);
   void writeMono(const std::filesystem::path& dir) const;
 
   common::Trajectory lidar_;
-  common::Trajectory mono_;  // Of tracked pictures.
+  common::Trajectory mono_;   // Of tracked pictures.
+  common::Trajectory fused_;  // T_world_body
   std::int64_t mono_pictures_ = 0;
   MonoPath mono_path_;
   std::map<std::int32_t, GridAssembly> levels_;

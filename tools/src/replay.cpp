@@ -12,6 +12,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "fusion/fusion_node.h"
 #include "lcm_io/channels.h"
 #include "lcm_io/health_reporter.h"
 #include "lcm_io/process.h"
@@ -34,7 +35,8 @@ struct Component {
 
 /// Every process with an algorithm, in the order in which a message reaches them.
 constexpr std::array kComponents = {Component{"slam_mono", slam_mono::makeNode},
-                                    Component{"slam_lidar", slam_lidar::makeNode}};
+                                    Component{"slam_lidar", slam_lidar::makeNode},
+                                    Component{"fusion", fusion::makeNode}};
 
 /// One process while it is replayed.
 struct Player {

@@ -15,6 +15,7 @@ struct GridSlamConfig {
     double max_log_odds = 6.0;
     double write_distance = 0.25;
     double write_angle = 0.1;
+    double max_tilt = 0.035;
   } map;
 
   struct Scan {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "alignment.h"
+#include "common/config.h"
+#include "plane_state.h"
+
+namespace rubble::fusion {
+
+/// Section `fusion`.
+struct FusionConfig {
+  PlaneStateConfig plane;
+  AlignmentConfig alignment;
+  double window = 10.0;          ///< m of way in H that the alignment looks back
+  double min_way = 0.3;          ///< m, before a first scale
+  double max_scale_sigma = 0.05;  ///< relative; above it the scale is unknown
+  double lidar_gain = 0.3;
+  double alignment_gain = 0.3;
+  double servo_range = 0.35;   ///< rad
+  double servo_lead = 0.06;    ///< s
+  double checkpoint_period = 2.0;
+  double restore_within = 120.0;
+};
+
+void visit(common::ConfigSection& section, FusionConfig& config);
+
+}  // namespace rubble::fusion

@@ -1,0 +1,273 @@
+#include "fusion/fusion_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <rubble/fusion_state_t.hpp>
+#include <rubble/lidar_control_t.hpp>
+#include <rubble/lidar_pose_t.hpp>
+#include <rubble/mono_map_t.hpp>
+#include <rubble/mono_pose_t.hpp>
+#include <rubble/robot_pose_t.hpp>
+#include <rubble/stabilizer_command_t.hpp>
+#include <rubble/stabilizer_t.hpp>
+
+#include "common/error.h"
+#include "fusion_config.h"
+#include "lcm_io/channels.h"
+#include "lcm_io/conversions.h"
+#include "lcm_io/mono_map.h"
+#include "pose_fusion.h"
+
+namespace rubble::fusion {
+
+namespace {
+
+using common::Utime;
+using lcm_io::NodeStatus;
+
+constexpr Utime kCommandPeriod = common::kMicrosecondsPerSecond / 50;
+constexpr Utime kCommandValid = common::kMicrosecondsPerSecond / 10;
+constexpr Utime kControlPeriod = common::kMicrosecondsPerSecond / 20;
+constexpr Utime kStatePeriod = common::kMicrosecondsPerSecond / 2;
+/// Silence of MONO_POSE after which the state is published without pictures, and how often.
+constexpr Utime kMonoSilence = common::kMicrosecondsPerSecond / 10;
+constexpr Utime kBlindPeriod = common::kMicrosecondsPerSecond / 30;
+constexpr int kLevel = 0;
+
+class FusionNode : public lcm_io::Node {
+ public:
+  explicit FusionNode(const lcm_io::ProcessContext& context)
+      : bus_(context.bus),
+        times_(context.times),
+        config_(context.config.read<FusionConfig>("fusion")),
+        fusion_(config_, context.config.read<common::RobotConfig>("robot")) {
+    bus_.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose,
+                                        [this](const auto& m) { onMonoPose(m); });
+    bus_.subscribe<rubble::mono_map_t>(lcm_io::channel::kMonoMap, [this](const auto& m) { onMonoMap(m); });
+    bus_.subscribe<rubble::lidar_pose_t>(lcm_io::channel::kLidarPose,
+                                         [this](const auto& m) { onLidarPose(m); });
+    bus_.subscribe<rubble::stabilizer_t>(lcm_io::channel::kStabilizer,
+                                         [this](const auto& m) { onStabilizer(m); });
+  }
+
+  void advance(Utime now) override {
+    if (!started_) {
+      return;
+    }
+    if (now - last_mono_ >= kMonoSilence && now - last_state_.utime >= kBlindPeriod) {
+      publish(fusion_.advance(now));
+    }
+    if (now - last_control_ >= kControlPeriod) {
+      publishControl(now);
+    }
+    if (now - last_command_ >= kCommandPeriod) {
+      publishCommand(now);
+    }
+  }
+
+  NodeStatus status() const override {
+    NodeStatus status;
+    status.counters = {{"poses", counters_.poses},
+                       {"poses_without_vision", counters_.blind},
+                       {"switches_to_m", counters_.to_m},
+                       {"alignments", counters_.alignments}};
+    if (!started_) {
+      status.state = "waiting";
+      status.level = NodeStatus::Level::kDegraded;
+      status.detail = "no MONO_POSE yet: is rubble-slam-mono running?";
+      return status;
+    }
+    status.state = std::string(1, "HMR"[static_cast<int>(fusion_.plane().state())]);
+    const Utime now = last_state_.utime;
+    const bool vision = fusion_.visionTracks();
+    const bool lidar = fusion_.lidarMatches(now);
+    const auto alignment = fusion_.alignment();
+    std::string& detail = status.detail;
+    const auto say = [&](const char* what) { detail += (detail.empty() ? "" : "; ") + std::string(what); };
+    const bool h = fusion_.plane().state() == ControlState::kH;
+    if (now - last_mono_ >= kMonoSilence) {
+      say("MONO_POSE is silent: is the camera running?");
+    } else if (!vision) {
+      say(h ? "vision is lost or has not started: the LiDAR alone carries the pose, on flat ground"
+            : "vision is lost off the level: nothing carries the pose");
+    }
+    if (lidar_poses_ == 0) {
+      say("no LIDAR_POSE yet: is rubble-slam-lidar running? position has no scale");
+    } else if (h && !lidar) {
+      say("no matched LIDAR_POSE: vision alone carries the pose");
+    }
+    if (!last_state_.attitude_known) {
+      say("the attitude is unknown since vision was lost on a slope; nothing is written into the map");
+    }
+    if (vision && alignment && !alignment->scale_known && lidar_poses_ > 0 && counters_.poses > 300) {
+      say("the monocular map's scale is unknown until the robot has moved on flat ground");
+    }
+    if (!detail.empty()) {
+      status.level = NodeStatus::Level::kDegraded;
+    }
+    return status;
+  }
+
+ private:
+  struct Counters {
+    std::int64_t poses = 0, blind = 0, to_m = 0, alignments = 0;
+  };
+
+  void onStabilizer(const rubble::stabilizer_t& m) {
+    if (!std::isfinite(m.roll) || !std::isfinite(m.pitch)) {
+      throw common::Error("plate angles that are not finite");
+    }
+    fusion_.addPlate(m.utime, m.roll, m.pitch);
+  }
+
+  void onMonoPose(const rubble::mono_pose_t& m) {
+    const lcm_io::StageTimer timer(times_, "total");
+    MonoMeasurement mono;
+    mono.utime = m.utime;
+    mono.tracking = m.state == rubble::mono_pose_t::STATE_TRACKING;
+    mono.map_id = m.map_id;
+    mono.map_revision = m.map_revision;
+    if (mono.tracking) {
+      mono.T_mono_camera = lcm_io::poseFromMessage(m.p_mono_camera, m.q_mono_camera);
+    }
+    started_ = true;
+    last_mono_ = m.utime;
+    counters_.blind += mono.tracking ? 0 : 1;
+    publish(fusion_.addMono(mono));
+  }
+
+  void onMonoMap(const rubble::mono_map_t& m) {
+    const lcm_io::StageTimer timer(times_, "alignment");
+    fusion_.addPictures(lcm_io::readMonoMap(m, keyframes_), keyframes_, m.revision);
+    ++counters_.alignments;
+  }
+
+  void onLidarPose(const rubble::lidar_pose_t& m) {
+    if (!std::isfinite(m.x) || !std::isfinite(m.y) || !std::isfinite(m.yaw)) {
+      throw common::Error("a pose that is not finite");
+    }
+    ++lidar_poses_;
+    LidarMeasurement lidar;
+    lidar.utime = m.utime;
+    lidar.T_world_lidar = {m.x, m.y, m.yaw};
+    lidar.covariance = Eigen::Map<const Eigen::Matrix3d>(m.covariance);
+    lidar.good = m.status == rubble::lidar_pose_t::STATUS_GOOD;
+    lidar.revision = m.control_revision;
+    lidar.tilt_guessed = (m.flags & rubble::lidar_pose_t::FLAG_ATTITUDE_EXTRAPOLATED) != 0;
+    const ControlState before = fusion_.plane().state();
+    fusion_.addLidar(lidar);
+    if (fusion_.plane().state() != before) {
+      noteState(m.utime);
+    }
+  }
+
+  void noteState(Utime utime) {
+    if (started_) {
+      spdlog::info("control state {}", "HMR"[static_cast<int>(fusion_.plane().state())]);
+      counters_.to_m += fusion_.plane().state() == ControlState::kM ? 1 : 0;
+      publishControl(utime);
+      publishFusionState(utime);
+    }
+    noted_revision_ = fusion_.plane().revision();
+  }
+
+  void publish(const RobotState& state) {
+    last_state_ = state;
+    ++counters_.poses;
+    rubble::robot_pose_t pose;
+    pose.utime = state.utime;
+    lcm_io::poseToMessage(state.T_world_body, pose.p_world_body, pose.q_world_body);
+    Eigen::Map<Eigen::Vector3d>(pose.v_world_body) = state.v_world_body;
+    Eigen::Map<Eigen::Vector3d>(pose.w_body) = state.w_body;
+    Eigen::Map<Eigen::Matrix<double, 6, 6>>(pose.covariance) = state.covariance;
+    pose.attitude =
+        state.attitude_known ? rubble::robot_pose_t::ATTITUDE_KNOWN : rubble::robot_pose_t::ATTITUDE_UNKNOWN;
+    pose.control_state = static_cast<std::int8_t>(fusion_.plane().state());
+    pose.level = kLevel;
+    bus_.publish(lcm_io::channel::kRobotPose, pose);
+    publishControl(state.utime);
+    if (fusion_.plane().revision() != noted_revision_) {
+      noteState(state.utime);
+    } else if (state.utime - last_fusion_state_ >= kStatePeriod) {
+      publishFusionState(state.utime);
+    }
+  }
+
+  void publishControl(Utime utime) {
+    rubble::lidar_control_t control;
+    control.utime = utime;
+    control.revision = fusion_.plane().revision();
+    control.state = static_cast<std::int8_t>(fusion_.plane().state());
+    control.level = kLevel;
+    control.confirmed_h_utime = fusion_.plane().confirmed();
+    bus_.publish(lcm_io::channel::kLidarControl, control);
+    last_control_ = utime;
+  }
+
+  void publishFusionState(Utime utime) {
+    rubble::fusion_state_t state{};
+    state.utime = utime;
+    state.control_state = static_cast<std::int8_t>(fusion_.plane().state());
+    state.level = kLevel;
+    state.map_id = fusion_.mapId();
+    state.map_revision = fusion_.mapRevision();
+    common::Pose3 T_world_mono = common::Pose3::Identity();
+    if (const auto alignment = fusion_.alignment()) {
+      state.scale_known = alignment->scale_known ? 1 : 0;
+      state.scale = alignment->S_world_mono.scale;
+      state.scale_sigma = alignment->scale_sigma;
+      T_world_mono.linear() = alignment->S_world_mono.R;
+      T_world_mono.translation() = alignment->S_world_mono.p;
+    }
+    lcm_io::poseToMessage(T_world_mono, state.p_world_mono, state.q_world_mono);
+    bus_.publish(lcm_io::channel::kFusionState, state);
+    last_fusion_state_ = utime;
+  }
+
+  /// Set-points for when the plate can have answered what is known now.
+  void publishCommand(Utime now) {
+    rubble::stabilizer_command_t command;
+    command.utime = now + common::utimeFromSeconds(config_.servo_lead);
+    command.valid_until_utime = command.utime + kCommandValid;
+    const PlateAngles angles = fusion_.levelling(command.utime);
+    const PlateAngles before = fusion_.levelling(command.utime - kCommandPeriod);
+    const double rate = 1.0 / common::secondsFromUtime(kCommandPeriod);
+    command.roll = angles.roll;
+    command.pitch = angles.pitch;
+    command.roll_rate = rate * (angles.roll - before.roll);
+    command.pitch_rate = rate * (angles.pitch - before.pitch);
+    bus_.publish(lcm_io::channel::kStabilizerCommand, command);
+    last_command_ = now;
+  }
+
+  lcm_io::Bus& bus_;
+  lcm_io::StageTimes* times_;
+  const FusionConfig config_;
+  PoseFusion fusion_;
+  common::KeyframePoses keyframes_;
+
+  bool started_ = false;
+  RobotState last_state_;
+  std::int64_t lidar_poses_ = 0;
+  std::int64_t noted_revision_ = 0;
+  Utime last_mono_ = 0;
+  Utime last_control_ = 0;
+  Utime last_command_ = 0;
+  Utime last_fusion_state_ = 0;
+  Counters counters_;
+};
+
+}  // namespace
+
+std::unique_ptr<lcm_io::Node> makeNode(const lcm_io::ProcessContext& context) {
+  return std::make_unique<FusionNode>(context);
+}
+
+std::string describeConfig(const common::Config& config) {
+  return config.describe<common::RobotConfig>("robot") + config.describe<FusionConfig>("fusion");
+}
+
+}  // namespace rubble::fusion

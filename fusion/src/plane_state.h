@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+
+#include "common/time.h"
+
+namespace rubble::fusion {
+
+/// What the LiDAR may do (as lidar_control_t).
+enum class ControlState { kH = 0, kM = 1, kR = 2 };
+
+struct PlaneStateConfig {
+  std::string mode = "lsm-robust";
+  double height_band = 0.25;   ///< m
+  double largest_tilt = 0.0524;  ///< rad
+  double leave_after = 0.1;    ///< s
+  double return_band = 0.8;    ///< share of both limits
+  double return_after = 0.4;   ///< s
+  int verify_scans = 5;
+};
+
+/// Decides between H (the LiDAR's plane is usable), M (it is not) and R (it is again, to be verified).
+/// Mode `lsm`: eq. 10 of Chen et al. 2017, height alone, at once. Mode `lsm-robust`: height, tilt of the LiDAR's
+/// plane and agreement of the scans, with hysteresis in value and time.
+class PlaneState {
+ public:
+  explicit PlaneState(const PlaneStateConfig& config) : config_(config) {}
+
+  /// Height (m) of the LiDAR over where it is on the level's floor, tilt (rad) of its plane, at `utime`.
+  /// `attitude_known`: false suspends writing.
+  void addPlane(common::Utime utime, double height, double tilt, bool attitude_known);
+  /// A scan handled under the present revision: whether it was matched well and agrees with vision.
+  void addScan(bool agrees);
+
+  ControlState state() const { return state_; }
+  std::int64_t revision() const { return revision_; }
+  /// Scans up to here may be committed to the map.
+  common::Utime confirmed() const { return confirmed_; }
+  /// Goes on from a checkpoint.
+  void restore(ControlState state, std::int64_t revision);
+
+ private:
+  void change(ControlState state);
+
+  PlaneStateConfig config_;
+  ControlState state_ = ControlState::kH;
+  std::int64_t revision_ = 0;
+  common::Utime confirmed_ = 0;
+  common::Utime last_usable_ = 0;
+  common::Utime last_unusable_ = 0;
+  int verified_ = 0;
+};
+
+}  // namespace rubble::fusion

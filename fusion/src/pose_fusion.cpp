@@ -1,0 +1,385 @@
+#include "pose_fusion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/error.h"
+
+namespace rubble::fusion {
+
+using common::Pose2;
+using common::Pose3;
+using common::Utime;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr Utime kTrackSpan = common::kMicrosecondsPerSecond;
+/// Span over which velocities are taken.
+constexpr Utime kVelocitySpan = common::kMicrosecondsPerSecond / 10;
+/// Silence after which a sensor no longer carries the pose.
+constexpr Utime kSilence = common::kMicrosecondsPerSecond / 5;
+/// Motion between samples of the alignment.
+constexpr double kSampleWay = 0.04;    // m
+constexpr double kSampleTurn = 0.035;  // rad
+constexpr std::size_t kMostSamples = 400;
+/// Vision and LiDAR agree after a time in M: m, plus a share of the way in M.
+constexpr double kAgreement = 0.3;
+constexpr double kDrift = 0.05;
+constexpr double kAgreementTurn = 0.2;  // rad
+/// Tilt of the body (rad) up to which the ground counts as level while nothing sees the attitude.
+constexpr double kLevelGround = 0.05;
+
+Pose3 scaled(Pose3 T, double scale) {
+  T.translation() *= scale;
+  return T;
+}
+
+Vector3d rotationVector(const Matrix3d& R) {
+  const Eigen::AngleAxisd turn(R);
+  return turn.angle() * turn.axis();
+}
+
+Pose2 planar(const Pose3& T) {
+  return {T.translation().x(), T.translation().y(), common::rpyFromRotation(T.linear()).yaw};
+}
+
+/// Turns about `pivot`, then shifts.
+Pose3 motionAbout(const Vector3d& pivot, const Vector3d& turn, const Vector3d& shift) {
+  Pose3 T = Pose3::Identity();
+  const double angle = turn.norm();
+  if (angle > 1e-12) {
+    T.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  }
+  T.translation() = pivot - T.linear() * pivot + shift;
+  return T;
+}
+
+}  // namespace
+
+PoseFusion::PoseFusion(const FusionConfig& config, const common::RobotConfig& robot)
+    : config_(config),
+      robot_(robot),
+      T_camera_body_(robot.T_body_camera().inverse()),
+      plane_(config.plane) {}
+
+void PoseFusion::addPlate(Utime utime, double roll, double pitch) { plate_.add(utime, {roll, pitch}); }
+
+Pose3 PoseFusion::T_camera_lidar(Utime utime) const {
+  Eigen::Vector2d angles = Eigen::Vector2d::Zero();
+  if (!plate_.empty()) {
+    const auto sample = plate_.at(utime);
+    angles = sample ? sample->value : plate_.newest();
+  }
+  return T_camera_body_ * robot_.T_body_plate(angles.x(), angles.y()) * robot_.lidar.pose();
+}
+
+bool PoseFusion::lidarMatches(Utime now) const { return last_lidar_ > 0 && now - last_lidar_ <= kSilence; }
+
+std::optional<PoseFusion::MapAlignment> PoseFusion::alignment() const {
+  const auto found = maps_.find(map_id_);
+  return found == maps_.end() ? std::nullopt : std::optional(found->second);
+}
+
+Pose3 PoseFusion::extrapolate(Utime utime) const {
+  if (tracks_.empty()) {
+    return robot_.T_body_camera();  // The robot starts level at the origin of world.
+  }
+  const Track& last = tracks_.back();
+  const auto earlier = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& track) {
+    return last.utime - track.utime <= kVelocitySpan;
+  });
+  // Without anything that sees motion the robot is taken to stand.
+  if (earlier->utime == last.utime || (!last.tracking && !lidarMatches(last.utime))) {
+    return last.T_world_camera;
+  }
+  const double fraction =
+      static_cast<double>(utime - earlier->utime) / static_cast<double>(last.utime - earlier->utime);
+  return common::blend(earlier->T_world_camera, last.T_world_camera, fraction);
+}
+
+Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
+  const Pose3 T_predicted = extrapolate(mono.utime);
+  if (!mono.tracking) {
+    return T_predicted;
+  }
+  const auto known = maps_.find(mono.map_id);
+  if (known == maps_.end()) {
+    // A new map inherits the attitude.
+    MapAlignment alignment;
+    alignment.S_world_mono.R = T_predicted.linear() * mono.T_mono_camera.linear().transpose();
+    maps_.emplace(mono.map_id, alignment);
+    return T_predicted;
+  }
+  const MapAlignment& alignment = known->second;
+  const Pose3 T_aligned = alignment.S_world_mono * mono.T_mono_camera;
+  const Track* last = tracks_.empty() ? nullptr : &tracks_.back();
+  const bool goes_on = last != nullptr && last->tracking && last->map_id == mono.map_id &&
+                       last->map_revision == mono.map_revision;
+  if (goes_on) {
+    const double scale = alignment.scale_known ? alignment.S_world_mono.scale : 0.0;
+    Pose3 T = last->T_world_camera * scaled(last->T_mono_camera.inverse() * mono.T_mono_camera, scale);
+    if (!alignment.scale_known) {
+      T.translation() = T_predicted.translation();
+    }
+    return T;
+  }
+  const bool was_lost = last == nullptr || !last->tracking;
+  if (!was_lost) {
+    return T_predicted;  // The map was corrected under the pose: that does not move the robot.
+  }
+  if (!alignment.scale_known) {
+    return T_predicted;
+  }
+  attitude_known_ = true;
+  if (plane_.state() != ControlState::kH) {
+    return T_aligned;
+  }
+  // In H world is the LiDAR's: height and tilt come from the map, the rest stays.
+  const Pose2 predicted = planar(T_predicted * T_camera_body_);
+  const Pose2 aligned = planar(T_aligned * T_camera_body_);
+  const Vector3d pivot = T_aligned.translation();
+  Pose3 T = motionAbout(pivot, {0.0, 0.0, common::wrapAngle(predicted.yaw - aligned.yaw)}, Vector3d::Zero()) *
+            T_aligned;
+  T.translation().head<2>() = T_predicted.translation().head<2>();
+  return T;
+}
+
+RobotState PoseFusion::stateOf(const Track& track) const {
+  RobotState state;
+  state.utime = track.utime;
+  state.T_world_body = track.T_world_camera * T_camera_body_;
+  state.attitude_known = attitude_known_;
+  const auto earlier = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& t) {
+    return track.utime - t.utime <= kVelocitySpan;
+  });
+  if (earlier != tracks_.end() && earlier->utime < track.utime) {
+    const Pose3 T_world_before = earlier->T_world_camera * T_camera_body_;
+    const double dt = common::secondsFromUtime(track.utime - earlier->utime);
+    state.v_world_body = (state.T_world_body.translation() - T_world_before.translation()) / dt;
+    state.w_body = rotationVector(T_world_before.linear().transpose() * state.T_world_body.linear()) / dt;
+  }
+  const double drift = 0.02 * way_without_lidar_;
+  const double blind = 0.3 * time_without_vision_;
+  auto& P = state.covariance;
+  P.setZero();
+  const bool lidar = lidarMatches(track.utime);
+  const double xy = lidar ? 0.0 : blind * blind;
+  P.topLeftCorner<2, 2>() = lidar_covariance_.topLeftCorner<2, 2>();
+  P(0, 0) += 1e-4 + drift * drift + xy;
+  P(1, 1) += 1e-4 + drift * drift + xy;
+  P(2, 2) = 2.5e-3 + drift * drift + (attitude_known_ ? 0.0 : 1.0 + blind * blind);
+  const double tilt = attitude_known_ ? 0.01 + 0.002 * time_without_vision_ : 0.5;
+  P(3, 3) = P(4, 4) = tilt * tilt;
+  P(5, 5) = lidar_covariance_(2, 2) + 1e-5 + 1e-6 * way_without_lidar_ + (lidar ? 0.0 : 0.01 * blind * blind);
+  return state;
+}
+
+RobotState PoseFusion::addTrack(const Track& track) {
+  if (!tracks_.empty()) {
+    const Track& last = tracks_.back();
+    const double way = (track.T_world_camera.translation() - last.T_world_camera.translation()).norm();
+    way_without_lidar_ = lidarMatches(track.utime) && plane_.state() == ControlState::kH
+                             ? 0.0
+                             : way_without_lidar_ + way;
+    time_without_vision_ =
+        track.tracking ? 0.0 : time_without_vision_ + common::secondsFromUtime(track.utime - last.utime);
+  }
+  tracks_.push_back(track);
+  while (track.utime - tracks_.front().utime > kTrackSpan) {
+    tracks_.pop_front();
+  }
+  const Pose3 T_world_body = track.T_world_camera * T_camera_body_;
+  const double body_tilt = std::acos(std::clamp(T_world_body.linear()(2, 2), -1.0, 1.0));
+  if (!track.tracking && time_without_vision_ > common::secondsFromUtime(kSilence) &&
+      (body_tilt > kLevelGround || plane_.state() == ControlState::kM)) {
+    attitude_known_ = false;
+  }
+  const Pose3 T_world_lidar = track.T_world_camera * T_camera_lidar(track.utime);
+  const double tilt = std::acos(std::clamp(T_world_lidar.linear()(2, 2), -1.0, 1.0));
+  plane_.addPlane(track.utime, T_world_lidar.translation().z() - robot_.lidarHeight(), tilt, attitude_known_);
+  return stateOf(track);
+}
+
+RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
+  if (!tracks_.empty() && mono.utime <= tracks_.back().utime) {
+    throw common::Error(fmt::format("picture at {} us is not newer than the last state, {} us", mono.utime,
+                                    tracks_.back().utime));
+  }
+  if (mono.tracking) {
+    map_id_ = mono.map_id;
+    map_revision_ = mono.map_revision;
+  }
+  return addTrack(
+      {mono.utime, carry(mono), mono.tracking, mono.map_id, mono.map_revision, mono.T_mono_camera});
+}
+
+RobotState PoseFusion::advance(Utime utime) { return addMono({utime, false, map_id_, map_revision_, {}}); }
+
+std::optional<Pose3> PoseFusion::cameraAt(Utime utime) const {
+  const auto after = std::lower_bound(tracks_.begin(), tracks_.end(), utime,
+                                      [](const Track& track, Utime t) { return track.utime < t; });
+  if (after == tracks_.end()) {
+    return tracks_.empty() || utime - tracks_.back().utime > kSilence ? std::nullopt
+                                                                      : std::optional(extrapolate(utime));
+  }
+  if (after->utime == utime) {
+    return after->T_world_camera;
+  }
+  if (after == tracks_.begin()) {
+    return std::nullopt;
+  }
+  const auto before = std::prev(after);
+  return common::blend(
+      before->T_world_camera, after->T_world_camera,
+      static_cast<double>(utime - before->utime) / static_cast<double>(after->utime - before->utime));
+}
+
+void PoseFusion::correct(const Pose3& T) {
+  for (Track& track : tracks_) {
+    track.T_world_camera = T * track.T_world_camera;
+  }
+}
+
+void PoseFusion::addLidar(const LidarMeasurement& lidar) {
+  const auto T_world_camera = cameraAt(lidar.utime);
+  const bool current = lidar.revision < 0 || lidar.revision == plane_.revision();
+  if (!lidar.good || !current || !T_world_camera || plane_.state() == ControlState::kM) {
+    lidar_.clear();
+    if (current) {
+      plane_.addScan(false);
+    }
+    return;
+  }
+  const Pose3 T_predicted = *T_world_camera * T_camera_lidar(lidar.utime);
+  const Pose2 predicted = planar(T_predicted);
+  const Eigen::Vector2d shift = lidar.T_world_lidar.translation() - predicted.translation();
+  const double turn = common::wrapAngle(lidar.T_world_lidar.yaw - predicted.yaw);
+  double gain = config_.lidar_gain;
+  if (plane_.state() == ControlState::kR) {
+    plane_.addScan(shift.norm() <= kAgreement + kDrift * way_without_lidar_ &&
+                   std::abs(turn) <= kAgreementTurn);
+    if (plane_.state() != ControlState::kH) {
+      return;
+    }
+    attitude_known_ = true;
+    gain = 1.0;
+  }
+  const auto known = maps_.find(map_id_);
+  if (!visionTracks() || known == maps_.end() || !known->second.scale_known || lidar_.empty()) {
+    gain = 1.0;  // Nothing else carries the pose between scans, or the LiDAR comes back.
+  }
+  correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
+                      {gain * shift.x(), gain * shift.y(), 0.0}));
+  last_lidar_ = lidar.utime;
+  lidar_covariance_ = lidar.covariance;
+  if (!lidar_.empty() && lidar_.silent(lidar.utime)) {
+    lidar_.clear();
+  }
+  if (!lidar.tilt_guessed) {
+    lidar_.add(lidar.utime, lidar.T_world_lidar);
+  }
+}
+
+void PoseFusion::addPictures(std::span<const common::AnchoredPose> pictures,
+                             const common::KeyframePoses& keyframes, std::int64_t revision) {
+  addSamples(pictures);
+  if (revision == map_revision_) {
+    solve(keyframes);
+  }
+}
+
+void PoseFusion::addSamples(std::span<const common::AnchoredPose> pictures) {
+  for (const common::AnchoredPose& picture : pictures) {
+    const auto lidar = lidar_.covers(picture.utime) ? lidar_.at(picture.utime) : std::nullopt;
+    if (!lidar || lidar->extrapolated) {
+      continue;
+    }
+    if (!samples_.empty()) {
+      const Pose2 moved = samples_.back().T_world_lidar.inverse() * lidar->value;
+      if (moved.translation().norm() < kSampleWay && std::abs(moved.yaw) < kSampleTurn) {
+        continue;
+      }
+    }
+    samples_.push_back({picture, T_camera_lidar(picture.utime), lidar->value});
+  }
+  trimSamples();
+}
+
+void PoseFusion::trimSamples() {
+  double way = 0.0;
+  std::size_t kept = std::min<std::size_t>(samples_.size(), 1);
+  while (kept < samples_.size() && kept < kMostSamples && way < config_.window) {
+    const auto& a = samples_[samples_.size() - kept - 1].T_world_lidar;
+    const auto& b = samples_[samples_.size() - kept].T_world_lidar;
+    way += (a.translation() - b.translation()).norm();
+    ++kept;
+  }
+  samples_.erase(samples_.begin(), samples_.end() - static_cast<std::ptrdiff_t>(kept));
+}
+
+void PoseFusion::solve(const common::KeyframePoses& keyframes) {
+  const auto found = maps_.find(map_id_);
+  if (found == maps_.end()) {
+    return;
+  }
+  std::vector<AlignmentSample> samples;
+  samples.reserve(samples_.size());
+  for (const Sample& sample : samples_) {
+    const auto located = keyframes.locate(sample.picture);
+    if (located && located->map_id == map_id_) {
+      samples.push_back({located->T_mono_camera, sample.T_camera_lidar, sample.T_world_lidar});
+    }
+  }
+  MapAlignment& alignment = found->second;
+  Similarity prior = alignment.S_world_mono;
+  if (!alignment.scale_known) {
+    const auto rough = roughAlignment(samples, T_camera_body_, prior.R, config_.min_way);
+    if (!rough) {
+      return;
+    }
+    prior = *rough;
+  }
+  const auto solved = align(samples, T_camera_body_, prior, alignment.scale_known, config_.alignment);
+  if (!solved || !(solved->scaleSigma() < config_.max_scale_sigma)) {
+    return;
+  }
+  alignment = {solved->S_world_mono, solved->scaleSigma(), true};
+  if (plane_.state() == ControlState::kH) {
+    pullToAlignment();
+  }
+}
+
+void PoseFusion::pullToAlignment() {
+  if (!visionTracks()) {
+    return;
+  }
+  const Track& track = tracks_.back();
+  if (track.map_id != map_id_ || track.map_revision != map_revision_) {
+    return;
+  }
+  const Pose3 T_aligned = maps_.at(map_id_).S_world_mono * track.T_mono_camera;
+  const double gain = config_.alignment_gain;
+  Vector3d turn = gain * rotationVector(T_aligned.linear() * track.T_world_camera.linear().transpose());
+  turn.z() = 0.0;
+  const double height = T_aligned.translation().z() - track.T_world_camera.translation().z();
+  correct(motionAbout(track.T_world_camera.translation(), turn, {0.0, 0.0, gain * height}));
+}
+
+PlateAngles PoseFusion::levelling(Utime utime) const {
+  if (tracks_.empty()) {
+    return {};
+  }
+  const Track& last = tracks_.back();
+  const RobotState state = stateOf(last);
+  const double dt = std::min(common::secondsFromUtime(utime - last.utime), 0.2);
+  const Vector3d turn = state.w_body * dt;
+  const Matrix3d R = state.T_world_body.linear() * motionAbout(Vector3d::Zero(), turn, Vector3d::Zero()).linear();
+  return levellingAngles(R, config_.servo_range);
+}
+
+}  // namespace rubble::fusion

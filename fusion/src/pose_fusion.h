@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+
+#include "common/history.h"
+#include "common/keyframe_poses.h"
+#include "common/robot_config.h"
+#include "fusion_config.h"
+#include "levelling.h"
+
+namespace rubble::fusion {
+
+struct LidarMeasurement {
+  common::Utime utime = 0;
+  common::Pose2 T_world_lidar;  ///< level
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  bool good = false;              ///< matched, and to be trusted
+  bool tilt_guessed = false;      ///< the scan's attitude had not arrived
+  std::int64_t revision = -1;     ///< of the control state it was handled under; -1: none yet
+};
+
+struct MonoMeasurement {
+  common::Utime utime = 0;
+  bool tracking = false;
+  std::int32_t map_id = 0;
+  std::int64_t map_revision = 0;
+  common::Pose3 T_mono_camera = common::Pose3::Identity();
+};
+
+/// The full state of eq. 1 and 2, and how far it is to be trusted.
+struct RobotState {
+  common::Utime utime = 0;
+  common::Pose3 T_world_body = common::Pose3::Identity();
+  Eigen::Vector3d v_world_body = Eigen::Vector3d::Zero();  ///< m/s
+  Eigen::Vector3d w_body = Eigen::Vector3d::Zero();        ///< rad/s
+  /// Of (x, y, z; rotation vector in world).
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
+  bool attitude_known = true;
+};
+
+/// Joins the planar pose of grid SLAM with the 6D pose of monocular SLAM (Chen et al. 2017, section IV). In H the
+/// LiDAR gives x, y and heading; vision carries the pose from one scan to the next and gives height and tilt. In M
+/// vision carries it alone, at the scale and attitude that were learnt in H. Synchronous, deterministic, one owner.
+class PoseFusion {
+ public:
+  PoseFusion(const FusionConfig& config, const common::RobotConfig& robot);
+
+  /// Angles of the stabiliser as measured (rad).
+  void addPlate(common::Utime utime, double roll, double pitch);
+  void addLidar(const LidarMeasurement& lidar);
+  /// The state at the picture's time. Throws common::Error for time that does not increase.
+  RobotState addMono(const MonoMeasurement& mono);
+  /// The state without a picture: vision is silent.
+  RobotState advance(common::Utime utime);
+  /// Pictures of the monocular map at `revision`, with the keyframes as they are then: the alignment is estimated
+  /// again.
+  void addPictures(std::span<const common::AnchoredPose> pictures, const common::KeyframePoses& keyframes,
+                   std::int64_t revision);
+
+  const PlaneState& plane() const { return plane_; }
+  /// Set-points for `utime` from the state then.
+  PlateAngles levelling(common::Utime utime) const;
+
+  struct MapAlignment {
+    Similarity S_world_mono;
+    double scale_sigma = 1.0;  ///< relative
+    bool scale_known = false;
+  };
+  std::int32_t mapId() const { return map_id_; }
+  std::int64_t mapRevision() const { return map_revision_; }
+  /// Of the present monocular map; empty before its first picture.
+  std::optional<MapAlignment> alignment() const;
+  bool visionTracks() const { return !tracks_.empty() && tracks_.back().tracking; }
+  bool lidarMatches(common::Utime now) const;
+
+ private:
+  /// One picture's time, with everything that later corrections move.
+  struct Track {
+    common::Utime utime = 0;
+    common::Pose3 T_world_camera = common::Pose3::Identity();
+    bool tracking = false;
+    std::int32_t map_id = 0;
+    std::int64_t map_revision = 0;
+    common::Pose3 T_mono_camera = common::Pose3::Identity();
+  };
+  struct Sample {
+    common::AnchoredPose picture;
+    common::Pose3 T_camera_lidar;
+    common::Pose2 T_world_lidar;
+  };
+
+  common::Pose3 carry(const MonoMeasurement& mono);
+  common::Pose3 extrapolate(common::Utime utime) const;
+  common::Pose3 T_camera_lidar(common::Utime utime) const;
+  std::optional<common::Pose3> cameraAt(common::Utime utime) const;
+  RobotState addTrack(const Track& track);
+  RobotState stateOf(const Track& track) const;
+  /// Moves the recent past by T (world, from the left).
+  void correct(const common::Pose3& T);
+  void addSamples(std::span<const common::AnchoredPose> pictures);
+  void trimSamples();
+  void solve(const common::KeyframePoses& keyframes);
+  void pullToAlignment();
+
+  const FusionConfig config_;
+  const common::RobotConfig robot_;
+  const common::Pose3 T_camera_body_;
+  PlaneState plane_;
+
+  common::History<Eigen::Vector2d> plate_{4 * common::kMicrosecondsPerSecond};
+  common::History<common::Pose2> lidar_{8 * common::kMicrosecondsPerSecond};  // In H.
+  common::Utime last_lidar_ = 0;
+  Eigen::Matrix3d lidar_covariance_ = Eigen::Matrix3d::Identity();
+  std::deque<Track> tracks_;
+  std::deque<Sample> samples_;
+  std::map<std::int32_t, MapAlignment> maps_;
+  std::int32_t map_id_ = 0;
+  std::int64_t map_revision_ = 0;
+  bool attitude_known_ = true;
+  double way_without_lidar_ = 0.0;   // m
+  double time_without_vision_ = 0.0;  // s
+};
+
+}  // namespace rubble::fusion
