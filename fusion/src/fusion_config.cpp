@@ -15,6 +15,11 @@ void visit(common::ConfigSection& section, FusionConfig& config) {
   plane.number("return_after", config.plane.return_after, "s", 0.0, 5.0, "within it until R");
   plane.integer("verify_scans", config.plane.verify_scans, "", 1, 1000,
                 "that agree with the map and with vision in a row until H");
+  plane.integer("observe_scans", config.plane.observe_scans, "", 1, 10000,
+                "the same where the attitude was unknown: a tilted plane would not agree for long");
+
+  plane.integer("contradictions", config.plane.contradictions, "", 1, 10000,
+                "scans in a row that contradict vision until M: the LiDAR slides, as at the foot of a ramp");
 
   auto& alignment = section.section("alignment", "of the monocular map with world, standard deviations");
   alignment.number("position_sigma", config.alignment.position_sigma, "m", 1e-4, 10.0,

@@ -4,51 +4,65 @@
 
 namespace rubble::fusion {
 
+namespace {
+
+/// A LiDAR that contradicts vision in R is believed after this many times the scans that show an attitude.
+constexpr int kInsist = 3;
+
+}  // namespace
+
 void PlaneState::change(ControlState state) {
   state_ = state;
   ++revision_;
   verified_ = 0;
+  contradicting_ = 0;
+}
+
+bool PlaneState::within(double height, double tilt, double share) const {
+  return std::abs(height) <= share * config_.height_band &&
+         (config_.mode == "lsm" || tilt <= share * config_.largest_tilt);
 }
 
 void PlaneState::addPlane(common::Utime utime, double height, double tilt, bool attitude_known) {
-  const auto seconds = [](double s) { return common::utimeFromSeconds(s); };
   const bool robust = config_.mode != "lsm";
-  const auto within = [&](double share) {
-    return std::abs(height) <= share * config_.height_band &&
-           (!robust || (attitude_known && tilt <= share * config_.largest_tilt));
+  const auto longer = [&](common::Utime since, double seconds) {
+    return utime - since > (robust ? common::utimeFromSeconds(seconds) : 0);
   };
+  attitude_known_ = attitude_known || !robust;
   if (last_usable_ == 0) {
     last_usable_ = last_unusable_ = utime;
   }
-  if (within(1.0)) {
+  if (within(height, tilt, 1.0)) {
     last_usable_ = utime;
   }
-  if (!within(config_.return_band)) {
+  if (!usable(height, tilt)) {
     last_unusable_ = utime;
   }
-  switch (state_) {
-    case ControlState::kH:
-    case ControlState::kR:
-      if (utime - last_usable_ > seconds(robust ? config_.leave_after : 0.0)) {
-        change(ControlState::kM);
-      } else if (state_ == ControlState::kH && last_usable_ == utime) {
-        confirmed_ = utime;
-      }
-      break;
-    case ControlState::kM:
-      if (utime - last_unusable_ >= seconds(robust ? config_.return_after : 0.0)) {
-        change(ControlState::kR);
-      }
-      break;
+  if (!attitude_known_) {
+    // The LiDAR is all there is: it goes on matching.
+    if (state_ != ControlState::kR) {
+      change(ControlState::kR);
+    }
+  } else if (state_ == ControlState::kM) {
+    if (longer(last_unusable_, config_.return_after)) {
+      change(ControlState::kR);
+    }
+  } else if (longer(last_usable_, config_.leave_after)) {
+    change(ControlState::kM);
+  } else if (state_ == ControlState::kH && last_usable_ == utime) {
+    confirmed_ = utime - common::utimeFromSeconds(config_.leave_after);
   }
 }
 
-void PlaneState::addScan(bool agrees) {
-  if (state_ == ControlState::kR) {
-    verified_ = agrees ? verified_ + 1 : 0;
-    if (verified_ >= config_.verify_scans) {
-      change(ControlState::kH);
-    }
+void PlaneState::addScan(Scan scan) {
+  verified_ = scan == Scan::kAgrees ? verified_ + 1 : 0;
+  contradicting_ = scan == Scan::kContradicts ? contradicting_ + 1 : 0;
+  if (state_ == ControlState::kH && config_.mode != "lsm" && contradicting_ >= config_.contradictions) {
+    change(ControlState::kM);
+  } else if (state_ == ControlState::kR &&
+             (verified_ >= (attitude_known_ ? config_.verify_scans : config_.observe_scans) ||
+              contradicting_ >= kInsist * config_.observe_scans)) {
+    change(ControlState::kH);
   }
 }
 

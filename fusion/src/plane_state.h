@@ -13,10 +13,12 @@ struct PlaneStateConfig {
   std::string mode = "lsm-robust";
   double height_band = 0.25;   ///< m
   double largest_tilt = 0.0524;  ///< rad
-  double leave_after = 0.1;    ///< s
+  double leave_after = 0.2;    ///< s
   double return_band = 0.8;    ///< share of both limits
   double return_after = 0.4;   ///< s
   int verify_scans = 5;
+  int observe_scans = 40;
+  int contradictions = 12;
 };
 
 /// Decides between H (the LiDAR's plane is usable), M (it is not) and R (it is again, to be verified).
@@ -27,10 +29,13 @@ class PlaneState {
   explicit PlaneState(const PlaneStateConfig& config) : config_(config) {}
 
   /// Height (m) of the LiDAR over where it is on the level's floor, tilt (rad) of its plane, at `utime`.
-  /// `attitude_known`: false suspends writing.
+  /// An attitude that is not known leads to R.
   void addPlane(common::Utime utime, double height, double tilt, bool attitude_known);
-  /// A scan handled under the present revision: whether it was matched well and agrees with vision.
-  void addScan(bool agrees);
+  enum class Scan { kUnmatched, kContradicts, kAgrees };
+  /// A scan handled under the present revision: whether it was matched on a usable plane, and with vision. In H
+  /// contradiction leads to M. In R agreement leads to H, and so does a LiDAR that contradicts for long: world is
+  /// the LiDAR's.
+  void addScan(Scan scan);
 
   ControlState state() const { return state_; }
   std::int64_t revision() const { return revision_; }
@@ -38,8 +43,11 @@ class PlaneState {
   common::Utime confirmed() const { return confirmed_; }
   /// Goes on from a checkpoint.
   void restore(ControlState state, std::int64_t revision);
+  /// Whether a plane like this may be trusted, with the margin of a return.
+  bool usable(double height, double tilt) const { return within(height, tilt, config_.return_band); }
 
  private:
+  bool within(double height, double tilt, double share) const;
   void change(ControlState state);
 
   PlaneStateConfig config_;
@@ -48,7 +56,9 @@ class PlaneState {
   common::Utime confirmed_ = 0;
   common::Utime last_usable_ = 0;
   common::Utime last_unusable_ = 0;
-  int verified_ = 0;
+  int verified_ = 0;     // Scans in a row that agree.
+  int contradicting_ = 0;  // Scans in a row that do not.
+  bool attitude_known_ = true;
 };
 
 }  // namespace rubble::fusion

@@ -27,10 +27,16 @@ constexpr Utime kSilence = common::kMicrosecondsPerSecond / 5;
 constexpr double kSampleWay = 0.04;    // m
 constexpr double kSampleTurn = 0.035;  // rad
 constexpr std::size_t kMostSamples = 400;
-/// Vision and LiDAR agree after a time in M: m, plus a share of the way in M.
-constexpr double kAgreement = 0.3;
+/// LiDAR and vision agree within this (m, rad) and the drift since they last did: from scan to scan, and after M.
+constexpr double kJumpWay = 0.08;
+constexpr double kJumpTurn = 0.05;
+constexpr double kReturnWay = 0.3;
+constexpr double kReturnTurn = 0.2;
+/// Drift of vision, share of the way; and of nothing at all, m/s.
 constexpr double kDrift = 0.05;
-constexpr double kAgreementTurn = 0.2;  // rad
+constexpr double kBlindDrift = 0.5;
+/// Time without any sight of the attitude (s) after which the robot is taken to stand level, until the LiDAR agrees.
+constexpr double kForgetTilt = 5.0;
 /// Tilt of the body (rad) up to which the ground counts as level while nothing sees the attitude.
 constexpr double kLevelGround = 0.05;
 
@@ -43,6 +49,8 @@ Vector3d rotationVector(const Matrix3d& R) {
   const Eigen::AngleAxisd turn(R);
   return turn.angle() * turn.axis();
 }
+
+double tiltOf(const Matrix3d& R) { return std::acos(std::clamp(R(2, 2), -1.0, 1.0)); }
 
 Pose2 planar(const Pose3& T) {
   return {T.translation().x(), T.translation().y(), common::rpyFromRotation(T.linear()).yaw};
@@ -163,46 +171,55 @@ RobotState PoseFusion::stateOf(const Track& track) const {
     state.v_world_body = (state.T_world_body.translation() - T_world_before.translation()) / dt;
     state.w_body = rotationVector(T_world_before.linear().transpose() * state.T_world_body.linear()) / dt;
   }
-  const double drift = 0.02 * way_without_lidar_;
-  const double blind = 0.3 * time_without_vision_;
+  const double drift = 0.4 * drift_;
   auto& P = state.covariance;
   P.setZero();
-  const bool lidar = lidarMatches(track.utime);
-  const double xy = lidar ? 0.0 : blind * blind;
   P.topLeftCorner<2, 2>() = lidar_covariance_.topLeftCorner<2, 2>();
-  P(0, 0) += 1e-4 + drift * drift + xy;
-  P(1, 1) += 1e-4 + drift * drift + xy;
-  P(2, 2) = 2.5e-3 + drift * drift + (attitude_known_ ? 0.0 : 1.0 + blind * blind);
+  P(0, 0) += 1e-4 + drift * drift;
+  P(1, 1) += 1e-4 + drift * drift;
+  P(2, 2) = 2.5e-3 + drift * drift + (attitude_known_ ? 0.0 : 1.0);
   const double tilt = attitude_known_ ? 0.01 + 0.002 * time_without_vision_ : 0.5;
   P(3, 3) = P(4, 4) = tilt * tilt;
-  P(5, 5) = lidar_covariance_(2, 2) + 1e-5 + 1e-6 * way_without_lidar_ + (lidar ? 0.0 : 0.01 * blind * blind);
+  P(5, 5) = lidar_covariance_(2, 2) + 1e-5 + 1e-4 * drift_;
   return state;
 }
 
 RobotState PoseFusion::addTrack(const Track& track) {
   if (!tracks_.empty()) {
     const Track& last = tracks_.back();
+    const double dt = common::secondsFromUtime(track.utime - last.utime);
     const double way = (track.T_world_camera.translation() - last.T_world_camera.translation()).norm();
-    way_without_lidar_ = lidarMatches(track.utime) && plane_.state() == ControlState::kH
-                             ? 0.0
-                             : way_without_lidar_ + way;
-    time_without_vision_ =
-        track.tracking ? 0.0 : time_without_vision_ + common::secondsFromUtime(track.utime - last.utime);
+    drift_ += visionCarries() && track.tracking ? kDrift * way : kBlindDrift * dt;
+    time_without_vision_ = track.tracking ? 0.0 : time_without_vision_ + dt;
   }
   tracks_.push_back(track);
   while (track.utime - tracks_.front().utime > kTrackSpan) {
     tracks_.pop_front();
   }
-  const Pose3 T_world_body = track.T_world_camera * T_camera_body_;
-  const double body_tilt = std::acos(std::clamp(T_world_body.linear()(2, 2), -1.0, 1.0));
-  if (!track.tracking && time_without_vision_ > common::secondsFromUtime(kSilence) &&
-      (body_tilt > kLevelGround || plane_.state() == ControlState::kM)) {
-    attitude_known_ = false;
+  watchAttitude();
+  const Pose3 T_world_lidar = tracks_.back().T_world_camera * T_camera_lidar(track.utime);
+  plane_.addPlane(track.utime, T_world_lidar.translation().z() - robot_.lidarHeight(),
+                  tiltOf(T_world_lidar.linear()), attitude_known_);
+  return stateOf(tracks_.back());
+}
+
+void PoseFusion::watchAttitude() {
+  const Track& track = tracks_.back();
+  const Matrix3d R_world_body = track.T_world_camera.linear() * T_camera_body_.linear();
+  if (track.tracking || time_without_vision_ <= common::secondsFromUtime(kSilence)) {
+    return;
   }
   const Pose3 T_world_lidar = track.T_world_camera * T_camera_lidar(track.utime);
-  const double tilt = std::acos(std::clamp(T_world_lidar.linear()(2, 2), -1.0, 1.0));
-  plane_.addPlane(track.utime, T_world_lidar.translation().z() - robot_.lidarHeight(), tilt, attitude_known_);
-  return stateOf(track);
+  if (tiltOf(R_world_body) > kLevelGround || plane_.state() == ControlState::kM ||
+      !plane_.usable(T_world_lidar.translation().z() - robot_.lidarHeight(),
+                     tiltOf(T_world_lidar.linear()))) {
+    attitude_known_ = false;
+  }
+  if (!attitude_known_ && time_without_vision_ > kForgetTilt) {
+    const Matrix3d level = common::rotationFromRpy({0.0, 0.0, common::rpyFromRotation(R_world_body).yaw});
+    correct(motionAbout(track.T_world_camera.translation(), rotationVector(level * R_world_body.transpose()),
+                        Vector3d::Zero()));
+  }
 }
 
 RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
@@ -245,42 +262,46 @@ void PoseFusion::correct(const Pose3& T) {
   }
 }
 
+bool PoseFusion::visionCarries() const {
+  const auto known = maps_.find(map_id_);
+  return visionTracks() && known != maps_.end() && known->second.scale_known;
+}
+
 void PoseFusion::addLidar(const LidarMeasurement& lidar) {
   const auto T_world_camera = cameraAt(lidar.utime);
   const bool current = lidar.revision < 0 || lidar.revision == plane_.revision();
-  if (!lidar.good || !current || !T_world_camera || plane_.state() == ControlState::kM) {
-    lidar_.clear();
-    if (current) {
-      plane_.addScan(false);
-    }
+  if (!T_world_camera || !current || plane_.state() == ControlState::kM) {
     return;
   }
   const Pose3 T_predicted = *T_world_camera * T_camera_lidar(lidar.utime);
+  const bool usable = plane_.usable(T_predicted.translation().z() - robot_.lidarHeight(),
+                                    tiltOf(T_predicted.linear()));
   const Pose2 predicted = planar(T_predicted);
   const Eigen::Vector2d shift = lidar.T_world_lidar.translation() - predicted.translation();
   const double turn = common::wrapAngle(lidar.T_world_lidar.yaw - predicted.yaw);
-  double gain = config_.lidar_gain;
-  if (plane_.state() == ControlState::kR) {
-    plane_.addScan(shift.norm() <= kAgreement + kDrift * way_without_lidar_ &&
-                   std::abs(turn) <= kAgreementTurn);
-    if (plane_.state() != ControlState::kH) {
-      return;
-    }
+  const bool returns = plane_.state() == ControlState::kR;
+  // Where vision does not carry, there is nothing to contradict.
+  const bool near = shift.norm() <= (returns ? kReturnWay : kJumpWay) + drift_ &&
+                    std::abs(turn) <= (returns ? kReturnTurn : kJumpTurn);
+  const bool matched = lidar.good && usable;
+  plane_.addScan(!matched                      ? PlaneState::Scan::kUnmatched
+                 : near || !visionCarries() ? PlaneState::Scan::kAgrees
+                                            : PlaneState::Scan::kContradicts);
+  const bool returned = returns && plane_.state() == ControlState::kH;
+  if (returned) {
     attitude_known_ = true;
-    gain = 1.0;
   }
-  const auto known = maps_.find(map_id_);
-  if (!visionTracks() || known == maps_.end() || !known->second.scale_known || lidar_.empty()) {
-    gain = 1.0;  // Nothing else carries the pose between scans, or the LiDAR comes back.
+  if (!matched || plane_.state() == ControlState::kM ||
+      (visionCarries() && !returned && (returns || !near))) {
+    return;
   }
+  const double gain = visionCarries() && !returned ? config_.lidar_gain : 1.0;
   correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
                       {gain * shift.x(), gain * shift.y(), 0.0}));
   last_lidar_ = lidar.utime;
+  drift_ = 0.0;
   lidar_covariance_ = lidar.covariance;
-  if (!lidar_.empty() && lidar_.silent(lidar.utime)) {
-    lidar_.clear();
-  }
-  if (!lidar.tilt_guessed) {
+  if (plane_.state() == ControlState::kH && !lidar.tilt_guessed) {
     lidar_.add(lidar.utime, lidar.T_world_lidar);
   }
 }

@@ -99,7 +99,11 @@ class PoseFusion {
   common::Pose3 T_camera_lidar(common::Utime utime) const;
   std::optional<common::Pose3> cameraAt(common::Utime utime) const;
   RobotState addTrack(const Track& track);
+  /// Without vision the attitude stays known on level ground only.
+  void watchAttitude();
   RobotState stateOf(const Track& track) const;
+  /// Vision tells how far the robot moves.
+  bool visionCarries() const;
   /// Moves the recent past by T (world, from the left).
   void correct(const common::Pose3& T);
   void addSamples(std::span<const common::AnchoredPose> pictures);
@@ -122,7 +126,7 @@ class PoseFusion {
   std::int32_t map_id_ = 0;
   std::int64_t map_revision_ = 0;
   bool attitude_known_ = true;
-  double way_without_lidar_ = 0.0;   // m
+  double drift_ = 0.0;                // m, since the LiDAR last gave the pose
   double time_without_vision_ = 0.0;  // s
 };
 
