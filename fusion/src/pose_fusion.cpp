@@ -21,6 +21,8 @@ namespace {
 constexpr Utime kTrackSpan = common::kMicrosecondsPerSecond;
 /// Span over which velocities are taken.
 constexpr Utime kVelocitySpan = common::kMicrosecondsPerSecond / 10;
+/// Share of a scan's motion in the velocity that carries the pose without vision.
+constexpr double kVelocityGain = 0.3;
 /// Silence after which a sensor no longer carries the pose.
 constexpr Utime kSilence = common::kMicrosecondsPerSecond / 5;
 /// Motion between samples of the alignment.
@@ -98,11 +100,19 @@ Pose3 PoseFusion::extrapolate(Utime utime) const {
     return robot_.T_body_camera();  // The robot starts level at the origin of world.
   }
   const Track& last = tracks_.back();
+  const double dt = common::secondsFromUtime(utime - last.utime);
+  if (!visionCarries()) {
+    // Without anything that sees motion the robot is taken to stand.
+    const Vector3d& v = lidar_velocity_;
+    return lidarMatches(last.utime) ? motionAbout(last.T_world_camera.translation(), {0.0, 0.0, dt * v.z()},
+                                                  {dt * v.x(), dt * v.y(), 0.0}) *
+                                          last.T_world_camera
+                                    : last.T_world_camera;
+  }
   const auto earlier = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& track) {
     return last.utime - track.utime <= kVelocitySpan;
   });
-  // Without anything that sees motion the robot is taken to stand.
-  if (earlier->utime == last.utime || (!last.tracking && !lidarMatches(last.utime))) {
+  if (earlier->utime == last.utime) {
     return last.T_world_camera;
   }
   const double fraction =
@@ -267,6 +277,20 @@ bool PoseFusion::visionCarries() const {
   return visionTracks() && known != maps_.end() && known->second.scale_known;
 }
 
+void PoseFusion::noteVelocity(const LidarMeasurement& lidar) {
+  const double dt = common::secondsFromUtime(lidar.utime - last_lidar_);
+  if (lidarMatches(lidar.utime) && dt > 0.0) {
+    const Pose2& before = T_world_lidar_last_;
+    const Vector3d v(lidar.T_world_lidar.x - before.x, lidar.T_world_lidar.y - before.y,
+                     common::wrapAngle(lidar.T_world_lidar.yaw - before.yaw));
+    lidar_velocity_ += kVelocityGain * (v / dt - lidar_velocity_);
+  } else {
+    lidar_velocity_.setZero();
+  }
+  last_lidar_ = lidar.utime;
+  T_world_lidar_last_ = lidar.T_world_lidar;
+}
+
 void PoseFusion::addLidar(const LidarMeasurement& lidar) {
   const auto T_world_camera = cameraAt(lidar.utime);
   const bool current = lidar.revision < 0 || lidar.revision == plane_.revision();
@@ -291,14 +315,15 @@ void PoseFusion::addLidar(const LidarMeasurement& lidar) {
   if (returned) {
     attitude_known_ = true;
   }
-  if (!matched || plane_.state() == ControlState::kM ||
+  // An unknown tilt tells nothing about the plane.
+  if (!lidar.good || (!usable && attitude_known_) || plane_.state() == ControlState::kM ||
       (visionCarries() && !returned && (returns || !near))) {
     return;
   }
   const double gain = visionCarries() && !returned ? config_.lidar_gain : 1.0;
   correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
                       {gain * shift.x(), gain * shift.y(), 0.0}));
-  last_lidar_ = lidar.utime;
+  noteVelocity(lidar);
   drift_ = 0.0;
   lidar_covariance_ = lidar.covariance;
   if (plane_.state() == ControlState::kH && !lidar.tilt_guessed) {

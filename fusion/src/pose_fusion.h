@@ -95,6 +95,7 @@ class PoseFusion {
   };
 
   common::Pose3 carry(const MonoMeasurement& mono);
+  void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
   common::Pose3 T_camera_lidar(common::Utime utime) const;
   std::optional<common::Pose3> cameraAt(common::Utime utime) const;
@@ -119,6 +120,8 @@ class PoseFusion {
   common::History<Eigen::Vector2d> plate_{4 * common::kMicrosecondsPerSecond};
   common::History<common::Pose2> lidar_{8 * common::kMicrosecondsPerSecond};  // In H.
   common::Utime last_lidar_ = 0;
+  common::Pose2 T_world_lidar_last_;
+  Eigen::Vector3d lidar_velocity_ = Eigen::Vector3d::Zero();  // x, y m/s, heading rad/s in world
   Eigen::Matrix3d lidar_covariance_ = Eigen::Matrix3d::Identity();
   std::deque<Track> tracks_;
   std::deque<Sample> samples_;
