@@ -58,6 +58,7 @@ class FusionNode : public lcm_io::Node {
       return;
     }
     if (now - last_mono_ >= kMonoSilence && now - last_state_.utime >= kBlindPeriod) {
+      ++counters_.blind;
       publish(fusion_.advance(now));
     }
     if (now - last_control_ >= kControlPeriod) {
@@ -72,7 +73,7 @@ class FusionNode : public lcm_io::Node {
     NodeStatus status;
     status.counters = {{"poses", counters_.poses},
                        {"poses_without_vision", counters_.blind},
-                       {"switches_to_m", counters_.to_m},
+                       {"switches", counters_.switches},
                        {"alignments", counters_.alignments}};
     if (!started_) {
       status.state = "waiting";
@@ -113,7 +114,7 @@ class FusionNode : public lcm_io::Node {
 
  private:
   struct Counters {
-    std::int64_t poses = 0, blind = 0, to_m = 0, alignments = 0;
+    std::int64_t poses = 0, blind = 0, switches = 0, alignments = 0;
   };
 
   void onStabilizer(const rubble::stabilizer_t& m) {
@@ -167,7 +168,7 @@ class FusionNode : public lcm_io::Node {
   void noteState(Utime utime) {
     if (started_) {
       spdlog::info("control state {}", "HMR"[static_cast<int>(fusion_.plane().state())]);
-      counters_.to_m += fusion_.plane().state() == ControlState::kM ? 1 : 0;
+      counters_.switches += fusion_.plane().state() == ControlState::kM ? 1 : 0;
       publishControl(utime);
       publishFusionState(utime);
     }

@@ -34,6 +34,8 @@ constexpr double kJumpWay = 0.08;
 constexpr double kJumpTurn = 0.05;
 constexpr double kReturnWay = 0.3;
 constexpr double kReturnTurn = 0.2;
+/// Tilt of the LiDAR's plane (rad) beyond which its poses mean nothing even where the tilt is a guess.
+constexpr double kHopelessTilt = 0.12;
 /// Drift of vision, share of the way; and of nothing at all, m/s.
 constexpr double kDrift = 0.05;
 constexpr double kBlindDrift = 0.5;
@@ -154,15 +156,13 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
     return T_predicted;
   }
   attitude_known_ = true;
-  if (plane_.state() != ControlState::kH) {
+  if (plane_.state() != ControlState::kH || !lidarMatches(mono.utime)) {
+    anchored_ = false;
     return T_aligned;
   }
   // In H world is the LiDAR's: height and tilt come from the map, the rest stays.
-  const Pose2 predicted = planar(T_predicted * T_camera_body_);
-  const Pose2 aligned = planar(T_aligned * T_camera_body_);
-  const Vector3d pivot = T_aligned.translation();
-  Pose3 T = motionAbout(pivot, {0.0, 0.0, common::wrapAngle(predicted.yaw - aligned.yaw)}, Vector3d::Zero()) *
-            T_aligned;
+  const double turn = planar(T_predicted * T_camera_body_).yaw - planar(T_aligned * T_camera_body_).yaw;
+  Pose3 T = motionAbout(T_aligned.translation(), {0.0, 0.0, turn}, Vector3d::Zero()) * T_aligned;
   T.translation().head<2>() = T_predicted.translation().head<2>();
   return T;
 }
@@ -233,6 +233,10 @@ void PoseFusion::watchAttitude() {
 }
 
 RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
+  // A picture that was under way is worth more than states without one.
+  while (!tracks_.empty() && mono.utime <= tracks_.back().utime && !tracks_.back().tracking && mono.tracking) {
+    tracks_.pop_back();
+  }
   if (!tracks_.empty() && mono.utime <= tracks_.back().utime) {
     throw common::Error(fmt::format("picture at {} us is not newer than the last state, {} us", mono.utime,
                                     tracks_.back().utime));
@@ -298,15 +302,16 @@ void PoseFusion::addLidar(const LidarMeasurement& lidar) {
     return;
   }
   const Pose3 T_predicted = *T_world_camera * T_camera_lidar(lidar.utime);
-  const bool usable = plane_.usable(T_predicted.translation().z() - robot_.lidarHeight(),
-                                    tiltOf(T_predicted.linear()));
+  const double tilt = tiltOf(T_predicted.linear());
+  const bool usable = plane_.usable(T_predicted.translation().z() - robot_.lidarHeight(), tilt);
   const Pose2 predicted = planar(T_predicted);
   const Eigen::Vector2d shift = lidar.T_world_lidar.translation() - predicted.translation();
   const double turn = common::wrapAngle(lidar.T_world_lidar.yaw - predicted.yaw);
   const bool returns = plane_.state() == ControlState::kR;
   // Where vision does not carry, there is nothing to contradict.
-  const bool near = shift.norm() <= (returns ? kReturnWay : kJumpWay) + drift_ &&
-                    std::abs(turn) <= (returns ? kReturnTurn : kJumpTurn);
+  const bool wide = returns || !anchored_;
+  const bool near = shift.norm() <= (wide ? kReturnWay : kJumpWay) + drift_ &&
+                    std::abs(turn) <= (wide ? kReturnTurn : kJumpTurn);
   const bool matched = lidar.good && usable;
   plane_.addScan(!matched                      ? PlaneState::Scan::kUnmatched
                  : near || !visionCarries() ? PlaneState::Scan::kAgrees
@@ -316,15 +321,17 @@ void PoseFusion::addLidar(const LidarMeasurement& lidar) {
     attitude_known_ = true;
   }
   // An unknown tilt tells nothing about the plane.
-  if (!lidar.good || (!usable && attitude_known_) || plane_.state() == ControlState::kM ||
+  const bool follows = lidar.good && (usable || (!attitude_known_ && tilt <= kHopelessTilt));
+  if (!follows || plane_.state() == ControlState::kM ||
       (visionCarries() && !returned && (returns || !near))) {
     return;
   }
-  const double gain = visionCarries() && !returned ? config_.lidar_gain : 1.0;
+  const double gain = visionCarries() && !returned && anchored_ ? config_.lidar_gain : 1.0;
   correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
                       {gain * shift.x(), gain * shift.y(), 0.0}));
   noteVelocity(lidar);
-  drift_ = 0.0;
+  anchored_ = true;
+  drift_ = attitude_known_ ? 0.0 : drift_;
   lidar_covariance_ = lidar.covariance;
   if (plane_.state() == ControlState::kH && !lidar.tilt_guessed) {
     lidar_.add(lidar.utime, lidar.T_world_lidar);

@@ -129,6 +129,7 @@ class PoseFusion {
   std::int32_t map_id_ = 0;
   std::int64_t map_revision_ = 0;
   bool attitude_known_ = true;
+  bool anchored_ = true;  // The pose goes back to a LiDAR pose.
   double drift_ = 0.0;                // m, since the LiDAR last gave the pose
   double time_without_vision_ = 0.0;  // s
 };
