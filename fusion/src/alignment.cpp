@@ -27,14 +27,8 @@ Matrix3d skew(const Vector3d& v) {
 
 Matrix3d rotationFromVector(const Vector3d& v) {
   const double angle = v.norm();
-  return angle < 1e-12 ? Matrix3d::Identity()
-                       : Eigen::AngleAxisd(angle, v / angle).toRotationMatrix();
+  return angle < 1e-12 ? Matrix3d::Identity() : Eigen::AngleAxisd(angle, v / angle).toRotationMatrix();
 }
-
-/// Weight of a residual, in standard deviations, under Huber's loss (convex: for what is always meant).
-double huber(double deviation) { return deviation <= 2.0 ? 1.0 : 2.0 / deviation; }
-/// Under Cauchy's loss: for what holds on flat floor only.
-double cauchy(double deviation) { return 1.0 / (1.0 + deviation * deviation); }
 
 }  // namespace
 
@@ -78,6 +72,13 @@ SampleResidual alignmentResidual(const AlignmentSample& sample, const Pose3& T_c
   return r;
 }
 
+double robustWeight(int row, double deviation) {
+  if (row < 3) {
+    return deviation <= 2.0 ? 1.0 : 2.0 / deviation;
+  }
+  return 1.0 / (1.0 + deviation * deviation);
+}
+
 Similarity perturbed(const Similarity& S, const Vector7& delta) {
   Similarity result;
   result.scale = S.scale * std::exp(delta(6));
@@ -118,7 +119,7 @@ std::optional<Alignment> align(std::span<const AlignmentSample> samples, const P
       for (int row = 0; row < 6; ++row) {
         const double s = sigma[static_cast<std::size_t>(row)];
         const double deviation = std::abs(r(row)) / s;
-        const double weight = independent * (row < 3 ? huber(deviation) : cauchy(deviation)) / (s * s);
+        const double weight = independent * robustWeight(row, deviation) / (s * s);
         H += weight * J.row(row).transpose() * J.row(row);
         b -= weight * r(row) * J.row(row).transpose();
       }
@@ -151,9 +152,8 @@ std::optional<Alignment> align(std::span<const AlignmentSample> samples, const P
   return alignment;
 }
 
-std::optional<Similarity> roughAlignment(std::span<const AlignmentSample> samples,
-                                         const Pose3& T_camera_body, const Matrix3d& R_world_mono,
-                                         double min_way) {
+std::optional<Similarity> roughAlignment(std::span<const AlignmentSample> samples, const Pose3& T_camera_body,
+                                         const Matrix3d& R_world_mono, double min_way) {
   if (samples.empty()) {
     return std::nullopt;
   }
@@ -172,37 +172,45 @@ std::optional<Similarity> roughAlignment(std::span<const AlignmentSample> sample
     return (R_world_mono * s.T_mono_camera.linear() * s.T_camera_lidar.translation()).head<2>();
   };
   const Vector2d camera_way = way - (lever(*farthest) - lever(first));
-  const Vector2d mono_way = (R_world_mono * (farthest->T_mono_camera.translation() -
-                                             first.T_mono_camera.translation()))
-                                .head<2>();
+  const Vector2d mono_way =
+      (R_world_mono * (farthest->T_mono_camera.translation() - first.T_mono_camera.translation())).head<2>();
   if (way.norm() < min_way || mono_way.norm() < 1e-9) {
     return std::nullopt;
   }
   Similarity S;
   S.scale = camera_way.norm() / mono_way.norm();
   S.R = R_world_mono;
-  S.p.head<2>() = lidarPosition(first) - lever(first) -
-                  S.scale * (S.R * first.T_mono_camera.translation()).head<2>();
+  S.p.head<2>() =
+      lidarPosition(first) - lever(first) - S.scale * (S.R * first.T_mono_camera.translation()).head<2>();
   S.p.z() = -(S * first.T_mono_camera * T_camera_body).translation().z();
   return S;
 }
 
-Vector2d axisScales(std::span<const AlignmentSample> samples, const Matrix3d& R_world_mono) {
-  Vector2d scales;
+std::optional<double> axisScale(std::span<const AlignmentSample> samples, const Matrix3d& R_world_mono) {
+  constexpr double kLeastSpread = 0.2;  // m, standard deviation along an axis that counts as motion
+  double sum = 0.0;
+  int axes = 0;
   for (int axis = 0; axis < 2; ++axis) {
-    double n = 0.0, sum_l = 0.0, sum_c = 0.0, sum_lc = 0.0, sum_cc = 0.0;
+    double m = 0.0, sum_l = 0.0, sum_c = 0.0, sum_lc = 0.0, sum_cc = 0.0, sum_ll = 0.0;
     for (const AlignmentSample& sample : samples) {
       const double l = sample.T_world_lidar.translation()(axis);
       const double c = (R_world_mono * sample.T_mono_camera.translation())(axis);
-      n += 1.0;
+      m += 1.0;
       sum_l += l;
       sum_c += c;
       sum_lc += l * c;
       sum_cc += c * c;
+      sum_ll += l * l;
     }
-    scales(axis) = (n * sum_lc - sum_l * sum_c) / (n * sum_cc - sum_c * sum_c);
+    if (m * sum_ll - sum_l * sum_l < m * m * kLeastSpread * kLeastSpread) {
+      continue;
+    }
+    const double lambda = (m * sum_lc - sum_l * sum_c) / (m * sum_cc - sum_c * sum_c);
+    sum += lambda * lambda;
+    ++axes;
   }
-  return scales;
+  const double scale = std::sqrt(sum / axes);
+  return axes > 0 && std::isfinite(scale) && scale > 0.0 ? std::optional(scale) : std::nullopt;
 }
 
 }  // namespace rubble::fusion

@@ -13,6 +13,7 @@ struct AlignmentSample {
   common::Pose3 T_mono_camera;   ///< in the monocular map's scale
   common::Pose3 T_camera_lidar;  ///< m, with the plate as it stood
   common::Pose2 T_world_lidar;   ///< level: the LiDAR's origin and heading, from its own SLAM
+  Eigen::Vector3d v_world_lidar = Eigen::Vector3d::Zero();  ///< its change: m/s, m/s, rad/s
 };
 
 /// S_world_mono: p_world = scale * R * p_mono + p.
@@ -42,22 +43,25 @@ struct Alignment {
   double scaleSigma() const;  ///< relative
 };
 
-/// Least squares over LiDAR positions and headings (Chen et al. 2017, eq. 6 to 9, with one scale for all axes: a
-/// similarity where eq. 8 gives an affine map) with the lever arm between camera and LiDAR, and what the floor
-/// says about height and tilt. `prior`: what stays where the motion shows nothing (standing still, straight lines,
-/// pure turns); its scale is used when `scale_known`. Empty for fewer than two samples.
+/// Least squares over LiDAR positions and headings (Chen et al. 2017, eq. 6 to 9, with one scale for all
+/// axes: a similarity where eq. 8 gives an affine map) with the lever arm between camera and LiDAR, and what
+/// the floor says about height and tilt. `prior`: what stays where the motion shows nothing (standing still,
+/// straight lines, pure turns); its scale is used when `scale_known`. Empty for fewer than two samples.
 std::optional<Alignment> align(std::span<const AlignmentSample> samples, const common::Pose3& T_camera_body,
                                const Similarity& prior, bool scale_known, const AlignmentConfig& config);
 
 /// The first guess: the attitude is the given one, scale and position follow from the way between the samples
-/// that are farthest apart, the first one stands on the floor. Empty while the LiDAR has moved less than `min_way` (m).
+/// that are farthest apart, the first one stands on the floor. Empty while the LiDAR has moved less than
+/// `min_way` (m).
 std::optional<Similarity> roughAlignment(std::span<const AlignmentSample> samples,
                                          const common::Pose3& T_camera_body,
                                          const Eigen::Matrix3d& R_world_mono, double min_way);
 
-/// Eq. 8: scales along x and y, each the slope of a regression with intercept between the LiDAR's positions and
-/// those of vision in the LiDAR's axes. Not finite along an axis without motion.
-Eigen::Vector2d axisScales(std::span<const AlignmentSample> samples, const Eigen::Matrix3d& R_world_mono);
+/// The paper's scale, for comparison: eq. 8, the slopes of regressions with intercept between the LiDAR's
+/// positions and those of vision along x and y, and of them what eq. 9 should have for z: sqrt((lambda_x^2 +
+/// lambda_y^2) / 2). An axis without motion is left out; empty when both are.
+std::optional<double> axisScale(std::span<const AlignmentSample> samples,
+                                const Eigen::Matrix3d& R_world_mono);
 
 /// Residuals of one sample and their derivatives by (rotation vector in world, position, logarithm of the
 /// scale): x, y (m), heading (rad), height (m), tilt about y and -x (rad), unweighted.
@@ -65,6 +69,9 @@ using SampleResidual = Eigen::Matrix<double, 6, 1>;
 using SampleJacobian = Eigen::Matrix<double, 6, 7>;
 SampleResidual alignmentResidual(const AlignmentSample& sample, const common::Pose3& T_camera_body,
                                  const Similarity& S_world_mono, SampleJacobian* jacobian = nullptr);
+/// Weight of a residual's row, `deviation` in standard deviations: Huber's for what is always meant, Cauchy's
+/// for what holds on flat floor only.
+double robustWeight(int row, double deviation);
 /// exp(delta) applied from the left, the position's part added.
 Similarity perturbed(const Similarity& S, const Eigen::Matrix<double, 7, 1>& delta);
 

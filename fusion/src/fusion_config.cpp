@@ -3,9 +3,10 @@
 namespace rubble::fusion {
 
 void visit(common::ConfigSection& section, FusionConfig& config) {
-  section.choice("mode", config.plane.mode, {"lsm", "lsm-robust"},
-                 "lsm: switching on height alone (Chen et al. 2017, eq. 10); lsm-robust: on height, tilt and "
-                 "scans, with hysteresis");
+  section.choice(
+      "mode", config.plane.mode, {"lsm", "lsm-robust"},
+      "lsm: scale by axes and switching on height alone (Chen et al. 2017, eq. 8, 10); lsm-robust: one "
+      "alignment, switching on height, tilt and scans with hysteresis");
   auto& plane = section.section("plane", "when the LiDAR's plane is usable (H)");
   plane.number("height_band", config.plane.height_band, "m", 0.01, 10.0,
                "to either side of the LiDAR's height over the level's floor");

@@ -10,13 +10,13 @@ namespace rubble::fusion {
 struct FusionConfig {
   PlaneStateConfig plane;
   AlignmentConfig alignment;
-  double window = 10.0;          ///< m of way in H that the alignment looks back
-  double min_way = 0.3;          ///< m, before a first scale
+  double window = 10.0;           ///< m of way in H that the alignment looks back
+  double min_way = 0.3;           ///< m, before a first scale
   double max_scale_sigma = 0.05;  ///< relative; above it the scale is unknown
   double lidar_gain = 0.03;
   double alignment_gain = 0.3;
-  double servo_range = 0.35;   ///< rad
-  double servo_lead = 0.06;    ///< s
+  double servo_range = 0.35;  ///< rad
+  double servo_lead = 0.06;   ///< s
   double checkpoint_period = 2.0;
   double restore_within = 120.0;
 };

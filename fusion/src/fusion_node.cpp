@@ -4,7 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 #include <rubble/fusion_state_t.hpp>
 #include <rubble/lidar_control_t.hpp>
 #include <rubble/lidar_pose_t.hpp>
@@ -14,11 +17,14 @@
 #include <rubble/stabilizer_command_t.hpp>
 #include <rubble/stabilizer_t.hpp>
 
+#include "common/checkpoint_writer.h"
 #include "common/error.h"
+#include "common/files.h"
 #include "fusion_config.h"
 #include "lcm_io/channels.h"
 #include "lcm_io/conversions.h"
 #include "lcm_io/mono_map.h"
+#include "path_publisher.h"
 #include "pose_fusion.h"
 
 namespace rubble::fusion {
@@ -31,10 +37,13 @@ using lcm_io::NodeStatus;
 constexpr Utime kCommandPeriod = common::kMicrosecondsPerSecond / 50;
 constexpr Utime kCommandValid = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kControlPeriod = common::kMicrosecondsPerSecond / 20;
+constexpr Utime kPathPeriod = common::kMicrosecondsPerSecond;
 constexpr Utime kStatePeriod = common::kMicrosecondsPerSecond / 2;
 /// Silence of MONO_POSE after which the state is published without pictures, and how often.
 constexpr Utime kMonoSilence = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kBlindPeriod = common::kMicrosecondsPerSecond / 30;
+/// How long a contradiction is reported.
+constexpr Utime kContradictionSpan = 10 * common::kMicrosecondsPerSecond;
 constexpr int kLevel = 0;
 
 class FusionNode : public lcm_io::Node {
@@ -44,13 +53,18 @@ class FusionNode : public lcm_io::Node {
         times_(context.times),
         config_(context.config.read<FusionConfig>("fusion")),
         fusion_(config_, context.config.read<common::RobotConfig>("robot")) {
-    bus_.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose,
-                                        [this](const auto& m) { onMonoPose(m); });
+    bus_.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose, [this](const auto& m) { onMonoPose(m); });
     bus_.subscribe<rubble::mono_map_t>(lcm_io::channel::kMonoMap, [this](const auto& m) { onMonoMap(m); });
     bus_.subscribe<rubble::lidar_pose_t>(lcm_io::channel::kLidarPose,
                                          [this](const auto& m) { onLidarPose(m); });
     bus_.subscribe<rubble::stabilizer_t>(lcm_io::channel::kStabilizer,
                                          [this](const auto& m) { onStabilizer(m); });
+    if (!context.state_dir.empty()) {
+      std::filesystem::create_directories(context.state_dir);
+      const std::filesystem::path path = context.state_dir / "fusion.checkpoint";
+      restoreFresh(path);
+      checkpoint_.emplace(path);
+    }
   }
 
   void advance(Utime now) override {
@@ -67,6 +81,16 @@ class FusionNode : public lcm_io::Node {
     if (now - last_command_ >= kCommandPeriod) {
       publishCommand(now);
     }
+    if (checkpoint_ && now - last_checkpoint_ >= common::utimeFromSeconds(config_.checkpoint_period)) {
+      checkpoint_->submit(serialise(fusion_.memory()));
+      last_checkpoint_ = now;
+    }
+  }
+
+  void finish() override {
+    if (checkpoint_ && started_) {
+      checkpoint_->submit(serialise(fusion_.memory()));
+    }
   }
 
   NodeStatus status() const override {
@@ -74,6 +98,7 @@ class FusionNode : public lcm_io::Node {
     status.counters = {{"poses", counters_.poses},
                        {"poses_without_vision", counters_.blind},
                        {"switches", counters_.switches},
+                       {"contradictions", contradicted_},
                        {"alignments", counters_.alignments}};
     if (!started_) {
       status.state = "waiting";
@@ -87,7 +112,7 @@ class FusionNode : public lcm_io::Node {
     const bool lidar = fusion_.lidarMatches(now);
     const auto alignment = fusion_.alignment();
     std::string& detail = status.detail;
-    const auto say = [&](const char* what) { detail += (detail.empty() ? "" : "; ") + std::string(what); };
+    const auto say = [&](const std::string& what) { detail += (detail.empty() ? "" : "; ") + what; };
     const bool h = fusion_.plane().state() == ControlState::kH;
     if (now - last_mono_ >= kMonoSilence) {
       say("MONO_POSE is silent: is the camera running?");
@@ -106,6 +131,15 @@ class FusionNode : public lcm_io::Node {
     if (vision && alignment && !alignment->scale_known && lidar_poses_ > 0 && counters_.poses > 300) {
       say("the monocular map's scale is unknown until the robot has moved on flat ground");
     }
+    if (last_contradiction_ > 0 && now - last_contradiction_ <= kContradictionSpan) {
+      say("LiDAR and vision contradicted each other: a slope's foot, or a wrong calibration in robot.yaml");
+    }
+    if (const std::string complaint = fusion_.complaint(); !complaint.empty()) {
+      say(complaint);
+    }
+    if (const std::string error = checkpoint_ ? checkpoint_->error() : std::string(); !error.empty()) {
+      say(fmt::format("checkpoint: {}", error));
+    }
     if (!detail.empty()) {
       status.level = NodeStatus::Level::kDegraded;
     }
@@ -116,6 +150,25 @@ class FusionNode : public lcm_io::Node {
   struct Counters {
     std::int64_t poses = 0, blind = 0, switches = 0, alignments = 0;
   };
+
+  /// Goes on from a checkpoint that is young enough.
+  void restoreFresh(const std::filesystem::path& path) {
+    const auto age = common::fileAge(path, bus_.now());
+    if (!age) {
+      return;
+    }
+    if (*age > config_.restore_within) {
+      spdlog::info("{} is {:.0f} s old: not restored, world begins anew", path.string(), *age);
+      return;
+    }
+    try {
+      fusion_.restore(parseFusionMemory(common::readFile(path)));
+      noted_revision_ = fusion_.plane().revision();
+      spdlog::info("restored from {}, {:.0f} s old", path.string(), *age);
+    } catch (const common::Error& e) {
+      spdlog::error("{}: not restored, world begins anew: {}", path.string(), e.what());
+    }
+  }
 
   void onStabilizer(const rubble::stabilizer_t& m) {
     if (!std::isfinite(m.roll) || !std::isfinite(m.pitch)) {
@@ -166,6 +219,10 @@ class FusionNode : public lcm_io::Node {
   }
 
   void noteState(Utime utime) {
+    if (fusion_.plane().contradicted() != contradicted_) {
+      contradicted_ = fusion_.plane().contradicted();
+      last_contradiction_ = utime;
+    }
     if (started_) {
       spdlog::info("control state {}", "HMR"[static_cast<int>(fusion_.plane().state())]);
       counters_.switches += fusion_.plane().state() == ControlState::kM ? 1 : 0;
@@ -189,6 +246,11 @@ class FusionNode : public lcm_io::Node {
     pose.control_state = static_cast<std::int8_t>(fusion_.plane().state());
     pose.level = kLevel;
     bus_.publish(lcm_io::channel::kRobotPose, pose);
+    path_.add(pose);
+    if (state.utime - last_path_ >= kPathPeriod) {
+      bus_.publish(lcm_io::channel::kTrajectory, path_.next(state.utime));
+      last_path_ = state.utime;
+    }
     publishControl(state.utime);
     if (fusion_.plane().revision() != noted_revision_) {
       noteState(state.utime);
@@ -241,7 +303,7 @@ class FusionNode : public lcm_io::Node {
     command.roll_rate = rate * (angles.roll - before.roll);
     command.pitch_rate = rate * (angles.pitch - before.pitch);
     bus_.publish(lcm_io::channel::kStabilizerCommand, command);
-    last_command_ = now;
+    last_command_ = std::max(last_command_ + kCommandPeriod, now - kCommandPeriod);
   }
 
   lcm_io::Bus& bus_;
@@ -249,15 +311,21 @@ class FusionNode : public lcm_io::Node {
   const FusionConfig config_;
   PoseFusion fusion_;
   common::KeyframePoses keyframes_;
+  PathPublisher path_;
+  std::optional<common::CheckpointWriter> checkpoint_;
 
   bool started_ = false;
   RobotState last_state_;
   std::int64_t lidar_poses_ = 0;
   std::int64_t noted_revision_ = 0;
+  int contradicted_ = 0;
+  Utime last_contradiction_ = 0;
   Utime last_mono_ = 0;
   Utime last_control_ = 0;
   Utime last_command_ = 0;
   Utime last_fusion_state_ = 0;
+  Utime last_path_ = 0;
+  Utime last_checkpoint_ = 0;
   Counters counters_;
 };
 

@@ -58,6 +58,7 @@ void PlaneState::addScan(Scan scan) {
   verified_ = scan == Scan::kAgrees ? verified_ + 1 : 0;
   contradicting_ = scan == Scan::kContradicts ? contradicting_ + 1 : 0;
   if (state_ == ControlState::kH && config_.mode != "lsm" && contradicting_ >= config_.contradictions) {
+    ++contradicted_;
     change(ControlState::kM);
   } else if (state_ == ControlState::kR &&
              (verified_ >= (attitude_known_ ? config_.verify_scans : config_.observe_scans) ||

@@ -11,19 +11,19 @@ enum class ControlState { kH = 0, kM = 1, kR = 2 };
 
 struct PlaneStateConfig {
   std::string mode = "lsm-robust";
-  double height_band = 0.25;   ///< m
+  double height_band = 0.25;     ///< m
   double largest_tilt = 0.0524;  ///< rad
-  double leave_after = 0.2;    ///< s
-  double return_band = 0.8;    ///< share of both limits
-  double return_after = 0.4;   ///< s
+  double leave_after = 0.2;      ///< s
+  double return_band = 0.8;      ///< share of both limits
+  double return_after = 0.4;     ///< s
   int verify_scans = 5;
   int observe_scans = 40;
   int contradictions = 12;
 };
 
 /// Decides between H (the LiDAR's plane is usable), M (it is not) and R (it is again, to be verified).
-/// Mode `lsm`: eq. 10 of Chen et al. 2017, height alone, at once. Mode `lsm-robust`: height, tilt of the LiDAR's
-/// plane and agreement of the scans, with hysteresis in value and time.
+/// Mode `lsm`: eq. 10 of Chen et al. 2017, height alone, at once. Mode `lsm-robust`: height, tilt of the
+/// LiDAR's plane and agreement of the scans, with hysteresis in value and time.
 class PlaneState {
  public:
   explicit PlaneState(const PlaneStateConfig& config) : config_(config) {}
@@ -32,15 +32,17 @@ class PlaneState {
   /// An attitude that is not known leads to R.
   void addPlane(common::Utime utime, double height, double tilt, bool attitude_known);
   enum class Scan { kUnmatched, kContradicts, kAgrees };
-  /// A scan handled under the present revision: whether it was matched on a usable plane, and with vision. In H
-  /// contradiction leads to M. In R agreement leads to H, and so does a LiDAR that contradicts for long: world is
-  /// the LiDAR's.
+  /// A scan handled under the present revision: whether it was matched on a usable plane, and with vision. In
+  /// H contradiction leads to M. In R agreement leads to H, and so does a LiDAR that contradicts for long:
+  /// world is the LiDAR's.
   void addScan(Scan scan);
 
   ControlState state() const { return state_; }
   std::int64_t revision() const { return revision_; }
   /// Scans up to here may be committed to the map.
   common::Utime confirmed() const { return confirmed_; }
+  /// How often contradiction led to M.
+  int contradicted() const { return contradicted_; }
   /// Goes on from a checkpoint.
   void restore(ControlState state, std::int64_t revision);
   /// Whether a plane like this may be trusted, with the margin of a return.
@@ -56,8 +58,9 @@ class PlaneState {
   common::Utime confirmed_ = 0;
   common::Utime last_usable_ = 0;
   common::Utime last_unusable_ = 0;
-  int verified_ = 0;     // Scans in a row that agree.
+  int verified_ = 0;       // Scans in a row that agree.
   int contradicting_ = 0;  // Scans in a row that do not.
+  int contradicted_ = 0;
   bool attitude_known_ = true;
 };
 

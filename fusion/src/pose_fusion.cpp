@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "common/error.h"
 
@@ -25,11 +24,8 @@ constexpr Utime kVelocitySpan = common::kMicrosecondsPerSecond / 10;
 constexpr double kVelocityGain = 0.3;
 /// Silence after which a sensor no longer carries the pose.
 constexpr Utime kSilence = common::kMicrosecondsPerSecond / 5;
-/// Motion between samples of the alignment.
-constexpr double kSampleWay = 0.04;    // m
-constexpr double kSampleTurn = 0.035;  // rad
-constexpr std::size_t kMostSamples = 400;
-/// LiDAR and vision agree within this (m, rad) and the drift since they last did: from scan to scan, and after M.
+/// LiDAR and vision agree within this (m, rad) and the drift since they last did: from scan to scan, and
+/// after M.
 constexpr double kJumpWay = 0.08;
 constexpr double kJumpTurn = 0.05;
 constexpr double kReturnWay = 0.3;
@@ -39,7 +35,8 @@ constexpr double kHopelessTilt = 0.12;
 /// Drift of vision, share of the way; and of nothing at all, m/s.
 constexpr double kDrift = 0.05;
 constexpr double kBlindDrift = 0.5;
-/// Time without any sight of the attitude (s) after which the robot is taken to stand level, until the LiDAR agrees.
+/// Time without any sight of the attitude (s) after which the robot is taken to stand level, until the LiDAR
+/// agrees.
 constexpr double kForgetTilt = 5.0;
 /// Tilt of the body (rad) up to which the ground counts as level while nothing sees the attitude.
 constexpr double kLevelGround = 0.05;
@@ -77,7 +74,8 @@ PoseFusion::PoseFusion(const FusionConfig& config, const common::RobotConfig& ro
     : config_(config),
       robot_(robot),
       T_camera_body_(robot.T_body_camera().inverse()),
-      plane_(config.plane) {}
+      plane_(config.plane),
+      window_(config, robot.T_body_camera()) {}
 
 void PoseFusion::addPlate(Utime utime, double roll, double pitch) { plate_.add(utime, {roll, pitch}); }
 
@@ -92,7 +90,7 @@ Pose3 PoseFusion::T_camera_lidar(Utime utime) const {
 
 bool PoseFusion::lidarMatches(Utime now) const { return last_lidar_ > 0 && now - last_lidar_ <= kSilence; }
 
-std::optional<PoseFusion::MapAlignment> PoseFusion::alignment() const {
+std::optional<MapAlignment> PoseFusion::alignment() const {
   const auto found = maps_.find(map_id_);
   return found == maps_.end() ? std::nullopt : std::optional(found->second);
 }
@@ -172,9 +170,8 @@ RobotState PoseFusion::stateOf(const Track& track) const {
   state.utime = track.utime;
   state.T_world_body = track.T_world_camera * T_camera_body_;
   state.attitude_known = attitude_known_;
-  const auto earlier = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& t) {
-    return track.utime - t.utime <= kVelocitySpan;
-  });
+  const auto earlier = std::find_if(tracks_.begin(), tracks_.end(),
+                                    [&](const Track& t) { return track.utime - t.utime <= kVelocitySpan; });
   if (earlier != tracks_.end() && earlier->utime < track.utime) {
     const Pose3 T_world_before = earlier->T_world_camera * T_camera_body_;
     const double dt = common::secondsFromUtime(track.utime - earlier->utime);
@@ -234,7 +231,8 @@ void PoseFusion::watchAttitude() {
 
 RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
   // A picture that was under way is worth more than states without one.
-  while (!tracks_.empty() && mono.utime <= tracks_.back().utime && !tracks_.back().tracking && mono.tracking) {
+  while (!tracks_.empty() && mono.utime <= tracks_.back().utime && !tracks_.back().tracking &&
+         mono.tracking) {
     tracks_.pop_back();
   }
   if (!tracks_.empty() && mono.utime <= tracks_.back().utime) {
@@ -313,7 +311,7 @@ void PoseFusion::addLidar(const LidarMeasurement& lidar) {
   const bool near = shift.norm() <= (wide ? kReturnWay : kJumpWay) + drift_ &&
                     std::abs(turn) <= (wide ? kReturnTurn : kJumpTurn);
   const bool matched = lidar.good && usable;
-  plane_.addScan(!matched                      ? PlaneState::Scan::kUnmatched
+  plane_.addScan(!matched                   ? PlaneState::Scan::kUnmatched
                  : near || !visionCarries() ? PlaneState::Scan::kAgrees
                                             : PlaneState::Scan::kContradicts);
   const bool returned = returns && plane_.state() == ControlState::kH;
@@ -348,62 +346,32 @@ void PoseFusion::addPictures(std::span<const common::AnchoredPose> pictures,
 
 void PoseFusion::addSamples(std::span<const common::AnchoredPose> pictures) {
   for (const common::AnchoredPose& picture : pictures) {
-    const auto lidar = lidar_.covers(picture.utime) ? lidar_.at(picture.utime) : std::nullopt;
-    if (!lidar || lidar->extrapolated) {
-      continue;
+    const auto at = [&](Utime utime) -> std::optional<Pose2> {
+      const auto lidar = lidar_.covers(utime) ? lidar_.at(utime) : std::nullopt;
+      return lidar && !lidar->extrapolated ? std::optional(lidar->value) : std::nullopt;
+    };
+    const auto T = at(picture.utime);
+    const auto before = at(picture.utime - kVelocitySpan / 2);
+    const auto after = at(picture.utime + kVelocitySpan / 2);
+    if (T && before && after) {
+      const double dt = common::secondsFromUtime(kVelocitySpan);
+      const Vector3d v((after->x - before->x) / dt, (after->y - before->y) / dt,
+                       common::wrapAngle(after->yaw - before->yaw) / dt);
+      window_.add(picture, *T, v, T_camera_lidar(picture.utime));
     }
-    if (!samples_.empty()) {
-      const Pose2 moved = samples_.back().T_world_lidar.inverse() * lidar->value;
-      if (moved.translation().norm() < kSampleWay && std::abs(moved.yaw) < kSampleTurn) {
-        continue;
-      }
-    }
-    samples_.push_back({picture, T_camera_lidar(picture.utime), lidar->value});
   }
-  trimSamples();
-}
-
-void PoseFusion::trimSamples() {
-  double way = 0.0;
-  std::size_t kept = std::min<std::size_t>(samples_.size(), 1);
-  while (kept < samples_.size() && kept < kMostSamples && way < config_.window) {
-    const auto& a = samples_[samples_.size() - kept - 1].T_world_lidar;
-    const auto& b = samples_[samples_.size() - kept].T_world_lidar;
-    way += (a.translation() - b.translation()).norm();
-    ++kept;
-  }
-  samples_.erase(samples_.begin(), samples_.end() - static_cast<std::ptrdiff_t>(kept));
 }
 
 void PoseFusion::solve(const common::KeyframePoses& keyframes) {
-  const auto found = maps_.find(map_id_);
-  if (found == maps_.end()) {
+  const auto map = maps_.find(map_id_);
+  if (map == maps_.end()) {
     return;
   }
-  std::vector<AlignmentSample> samples;
-  samples.reserve(samples_.size());
-  for (const Sample& sample : samples_) {
-    const auto located = keyframes.locate(sample.picture);
-    if (located && located->map_id == map_id_) {
-      samples.push_back({located->T_mono_camera, sample.T_camera_lidar, sample.T_world_lidar});
+  if (const auto solved = window_.solve(map_id_, keyframes, map->second)) {
+    map->second = *solved;
+    if (plane_.state() == ControlState::kH) {
+      pullToAlignment();
     }
-  }
-  MapAlignment& alignment = found->second;
-  Similarity prior = alignment.S_world_mono;
-  if (!alignment.scale_known) {
-    const auto rough = roughAlignment(samples, T_camera_body_, prior.R, config_.min_way);
-    if (!rough) {
-      return;
-    }
-    prior = *rough;
-  }
-  const auto solved = align(samples, T_camera_body_, prior, alignment.scale_known, config_.alignment);
-  if (!solved || !(solved->scaleSigma() < config_.max_scale_sigma)) {
-    return;
-  }
-  alignment = {solved->S_world_mono, solved->scaleSigma(), true};
-  if (plane_.state() == ControlState::kH) {
-    pullToAlignment();
   }
 }
 
@@ -423,6 +391,29 @@ void PoseFusion::pullToAlignment() {
   correct(motionAbout(track.T_world_camera.translation(), turn, {0.0, 0.0, gain * height}));
 }
 
+FusionMemory PoseFusion::memory() const {
+  FusionMemory memory;
+  if (!tracks_.empty()) {
+    memory.last = tracks_.back();
+  }
+  memory.state = plane_.state();
+  memory.revision = plane_.revision();
+  memory.attitude_known = attitude_known_;
+  memory.maps = maps_;
+  return memory;
+}
+
+void PoseFusion::restore(const FusionMemory& memory) {
+  tracks_ = {memory.last};
+  map_id_ = memory.last.map_id;
+  map_revision_ = memory.last.map_revision;
+  // A revision of its own: whoever heard the last one learns that something has changed.
+  plane_.restore(memory.state, memory.revision + 1);
+  attitude_known_ = memory.attitude_known;
+  maps_ = memory.maps;
+  anchored_ = false;
+}
+
 PlateAngles PoseFusion::levelling(Utime utime) const {
   if (tracks_.empty()) {
     return {};
@@ -431,7 +422,8 @@ PlateAngles PoseFusion::levelling(Utime utime) const {
   const RobotState state = stateOf(last);
   const double dt = std::min(common::secondsFromUtime(utime - last.utime), 0.2);
   const Vector3d turn = state.w_body * dt;
-  const Matrix3d R = state.T_world_body.linear() * motionAbout(Vector3d::Zero(), turn, Vector3d::Zero()).linear();
+  const Matrix3d R =
+      state.T_world_body.linear() * motionAbout(Vector3d::Zero(), turn, Vector3d::Zero()).linear();
   return levellingAngles(R, config_.servo_range);
 }
 

@@ -6,11 +6,14 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 
+#include "alignment_window.h"
 #include "common/history.h"
 #include "common/keyframe_poses.h"
 #include "common/robot_config.h"
 #include "fusion_config.h"
+#include "fusion_memory.h"
 #include "levelling.h"
 
 namespace rubble::fusion {
@@ -19,9 +22,9 @@ struct LidarMeasurement {
   common::Utime utime = 0;
   common::Pose2 T_world_lidar;  ///< level
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
-  bool good = false;              ///< matched, and to be trusted
-  bool tilt_guessed = false;      ///< the scan's attitude had not arrived
-  std::int64_t revision = -1;     ///< of the control state it was handled under; -1: none yet
+  bool good = false;           ///< matched, and to be trusted
+  bool tilt_guessed = false;   ///< the scan's attitude had not arrived
+  std::int64_t revision = -1;  ///< of the control state it was handled under; -1: none yet
 };
 
 struct MonoMeasurement {
@@ -43,9 +46,10 @@ struct RobotState {
   bool attitude_known = true;
 };
 
-/// Joins the planar pose of grid SLAM with the 6D pose of monocular SLAM (Chen et al. 2017, section IV). In H the
-/// LiDAR gives x, y and heading; vision carries the pose from one scan to the next and gives height and tilt. In M
-/// vision carries it alone, at the scale and attitude that were learnt in H. Synchronous, deterministic, one owner.
+/// Joins the planar pose of grid SLAM with the 6D pose of monocular SLAM (Chen et al. 2017, section IV). In H
+/// the LiDAR gives x, y and heading; vision carries the pose from one scan to the next and gives height and
+/// tilt. In M vision carries it alone, at the scale and attitude that were learnt in H. Synchronous,
+/// deterministic, one owner.
 class PoseFusion {
  public:
   PoseFusion(const FusionConfig& config, const common::RobotConfig& robot);
@@ -57,8 +61,8 @@ class PoseFusion {
   RobotState addMono(const MonoMeasurement& mono);
   /// The state without a picture: vision is silent.
   RobotState advance(common::Utime utime);
-  /// Pictures of the monocular map at `revision`, with the keyframes as they are then: the alignment is estimated
-  /// again.
+  /// Pictures of the monocular map at `revision`, with the keyframes as they are then: the alignment is
+  /// estimated again.
   void addPictures(std::span<const common::AnchoredPose> pictures, const common::KeyframePoses& keyframes,
                    std::int64_t revision);
 
@@ -66,34 +70,20 @@ class PoseFusion {
   /// Set-points for `utime` from the state then.
   PlateAngles levelling(common::Utime utime) const;
 
-  struct MapAlignment {
-    Similarity S_world_mono;
-    double scale_sigma = 1.0;  ///< relative
-    bool scale_known = false;
-  };
   std::int32_t mapId() const { return map_id_; }
   std::int64_t mapRevision() const { return map_revision_; }
   /// Of the present monocular map; empty before its first picture.
   std::optional<MapAlignment> alignment() const;
   bool visionTracks() const { return !tracks_.empty() && tracks_.back().tracking; }
   bool lidarMatches(common::Utime now) const;
+  /// What contradicts the calibration, in words; empty when nothing does.
+  std::string complaint() const { return window_.complaint(); }
+
+  FusionMemory memory() const;
+  /// Goes on from there. Call it first.
+  void restore(const FusionMemory& memory);
 
  private:
-  /// One picture's time, with everything that later corrections move.
-  struct Track {
-    common::Utime utime = 0;
-    common::Pose3 T_world_camera = common::Pose3::Identity();
-    bool tracking = false;
-    std::int32_t map_id = 0;
-    std::int64_t map_revision = 0;
-    common::Pose3 T_mono_camera = common::Pose3::Identity();
-  };
-  struct Sample {
-    common::AnchoredPose picture;
-    common::Pose3 T_camera_lidar;
-    common::Pose2 T_world_lidar;
-  };
-
   common::Pose3 carry(const MonoMeasurement& mono);
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
@@ -108,7 +98,6 @@ class PoseFusion {
   /// Moves the recent past by T (world, from the left).
   void correct(const common::Pose3& T);
   void addSamples(std::span<const common::AnchoredPose> pictures);
-  void trimSamples();
   void solve(const common::KeyframePoses& keyframes);
   void pullToAlignment();
 
@@ -124,12 +113,12 @@ class PoseFusion {
   Eigen::Vector3d lidar_velocity_ = Eigen::Vector3d::Zero();  // x, y m/s, heading rad/s in world
   Eigen::Matrix3d lidar_covariance_ = Eigen::Matrix3d::Identity();
   std::deque<Track> tracks_;
-  std::deque<Sample> samples_;
+  AlignmentWindow window_;
   std::map<std::int32_t, MapAlignment> maps_;
   std::int32_t map_id_ = 0;
   std::int64_t map_revision_ = 0;
   bool attitude_known_ = true;
-  bool anchored_ = true;  // The pose goes back to a LiDAR pose.
+  bool anchored_ = true;              // The pose goes back to a LiDAR pose.
   double drift_ = 0.0;                // m, since the LiDAR last gave the pose
   double time_without_vision_ = 0.0;  // s
 };

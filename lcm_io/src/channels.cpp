@@ -25,6 +25,7 @@ constexpr std::array kTable = {
     ChannelInfo{channel::kGridMap, "rubble.grid_map_t", kDerived, "slam_lidar", 40, true},
     ChannelInfo{channel::kRobotPose, "rubble.robot_pose_t", kDerived, "fusion", 200, true},
     ChannelInfo{channel::kFusionState, "rubble.fusion_state_t", kDerived, "fusion", 40, true},
+    ChannelInfo{channel::kTrajectory, "rubble.trajectory_t", kDerived, "fusion", 40, true},
     ChannelInfo{channel::kHealth, "rubble.health_t", kDerived, "", 100, true},
     ChannelInfo{channel::kRevisitRequest, "rubble.revisit_request_t", kCommand, "slam_mono", 40, true},
     ChannelInfo{channel::kLidarControl, "rubble.lidar_control_t", kCommand, "fusion", 40, true},

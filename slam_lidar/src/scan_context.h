@@ -23,8 +23,8 @@ class ScanContext {
 
   /// Plate angles (rad) as measured. Throws common::Error when not finite.
   void addPlate(common::Utime utime, double roll, double pitch);
-  /// T_world_body as fused: its tilt, and its motion while nothing is matched. Neither position nor heading may leak
-  /// into a match.
+  /// T_world_body as fused: its tilt, and its motion while nothing is matched. Neither position nor heading
+  /// may leak into a match.
   void addBody(common::Utime utime, const common::Pose3& T_world_body);
   void addOdometry(common::Utime utime, const common::Pose3& T_odom_body);
 
@@ -36,7 +36,8 @@ class ScanContext {
   Tilt tiltAt(common::Utime utime) const;
 
   enum class PriorSource { kOdometry, kFusedPose };
-  /// The LiDAR's motion in the level plane since the last call; empty when the source does not cover both ends.
+  /// The LiDAR's motion in the level plane since the last call; empty when the source does not cover both
+  /// ends.
   std::optional<MotionPrior> takePrior(common::Utime utime, PriorSource source);
 
  private:

@@ -6,6 +6,7 @@
 #include <bot_core/planar_lidar_t.hpp>
 #include <rubble/camera_info_t.hpp>
 #include <rubble/command_t.hpp>
+#include <rubble/fusion_state_t.hpp>
 #include <rubble/grid_map_t.hpp>
 #include <rubble/ground_truth_t.hpp>
 #include <rubble/health_t.hpp>
@@ -19,6 +20,7 @@
 #include <rubble/robot_pose_t.hpp>
 #include <rubble/stabilizer_command_t.hpp>
 #include <rubble/stabilizer_t.hpp>
+#include <rubble/trajectory_t.hpp>
 
 #include "lcm_io/codec.h"
 
@@ -41,15 +43,25 @@ void decodeOne(lcm_io::ByteView content) {
   }
 }
 
-constexpr std::array kDecoders = {decodeOne<bot_core::image_t>, decodeOne<bot_core::planar_lidar_t>,
-                                  decodeOne<camera_info_t>,     decodeOne<command_t>,
-                                  decodeOne<grid_map_t>,        decodeOne<ground_truth_t>,
-                                  decodeOne<health_t>,          decodeOne<lidar_control_t>,
-                                  decodeOne<lidar_pose_t>,      decodeOne<mono_features_t>,
-                                  decodeOne<mono_map_t>,        decodeOne<mono_pose_t>,
-                                  decodeOne<odometry_t>,        decodeOne<revisit_request_t>,
-                                  decodeOne<robot_pose_t>,      decodeOne<stabilizer_command_t>,
-                                  decodeOne<stabilizer_t>};
+constexpr std::array kDecoders = {decodeOne<bot_core::image_t>,
+                                  decodeOne<bot_core::planar_lidar_t>,
+                                  decodeOne<camera_info_t>,
+                                  decodeOne<command_t>,
+                                  decodeOne<grid_map_t>,
+                                  decodeOne<ground_truth_t>,
+                                  decodeOne<health_t>,
+                                  decodeOne<lidar_control_t>,
+                                  decodeOne<lidar_pose_t>,
+                                  decodeOne<mono_features_t>,
+                                  decodeOne<mono_map_t>,
+                                  decodeOne<mono_pose_t>,
+                                  decodeOne<odometry_t>,
+                                  decodeOne<fusion_state_t>,
+                                  decodeOne<revisit_request_t>,
+                                  decodeOne<robot_pose_t>,
+                                  decodeOne<stabilizer_command_t>,
+                                  decodeOne<stabilizer_t>,
+                                  decodeOne<trajectory_t>};
 
 }  // namespace
 

@@ -22,6 +22,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"rubble.channel_health_t", 0x567EB012293365EBU},
     {"rubble.command_t", 0x4008401D6E0938F8U},
     {"rubble.counter_t", 0x85BF7873EAA98DD0U},
+    {"rubble.fusion_state_t", 0xB520C3167743E3F2U},
     {"rubble.grid_map_t", 0xAC7AFF51DEA8935AU},
     {"rubble.grid_tile_t", 0x6BE58D7447182EBCU},
     {"rubble.ground_truth_t", 0x4D2167B4AA84B2F1U},
@@ -40,6 +41,8 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"rubble.robot_pose_t", 0xC7676A4A4330B956U},
     {"rubble.stabilizer_command_t", 0xD8765E00D53965D2U},
     {"rubble.stabilizer_t", 0x8FA97BD2346C092AU},
+    {"rubble.trajectory_point_t", 0x6412BC2AEF59D4FEU},
+    {"rubble.trajectory_t", 0x6B1CC2077C7048FCU},
 };
 
 /// lcm-gen's hash of a type (lcmgen.c: lcm_struct_hash, hash_update, hash_string_update), written anew from

@@ -293,6 +293,44 @@ rubble::odometry_t sample() {
 }
 
 template <>
+rubble::fusion_state_t sample() {
+  rubble::fusion_state_t m{};
+  m.utime = kUtime;
+  m.control_state = 1;
+  m.level = 2;
+  m.map_id = 3;
+  m.map_revision = 4;
+  m.scale_known = 1;
+  m.scale = 2.5;
+  m.scale_sigma = 0.01;
+  fill(m.p_world_mono);
+  fill(m.q_world_mono);
+  return m;
+}
+
+template <>
+rubble::trajectory_point_t sample() {
+  rubble::trajectory_point_t m;
+  m.utime = kUtime;
+  m.control_state = 1;
+  m.level = 2;
+  m.p_world_body[0] = 0.5F;
+  m.p_world_body[1] = 1.5F;
+  m.p_world_body[2] = 2.5F;
+  return m;
+}
+
+template <>
+rubble::trajectory_t sample() {
+  rubble::trajectory_t m;
+  m.utime = kUtime;
+  m.total = 5;
+  m.points = {sample<rubble::trajectory_point_t>()};
+  m.n = 1;
+  return m;
+}
+
+template <>
 rubble::revisit_request_t sample() {
   rubble::revisit_request_t m;
   m.utime = kUtime;

@@ -20,6 +20,10 @@ constexpr std::uint8_t kUnknown = 205;
 constexpr double kOccupiedThreshold = 0.65;
 constexpr double kFreeThreshold = 0.196;
 const cv::Scalar kPurple(160, 32, 128);
+const cv::Scalar kGreen(32, 160, 32);
+/// Of the front view: how far it reaches over the path and at all, m.
+constexpr double kViewMargin = 0.5;
+constexpr double kHighestView = 20.0;
 /// Above this a picture is of no use and does not fit the memory.
 constexpr std::int64_t kMostPixels = 400'000'000;
 
@@ -44,6 +48,19 @@ std::uint8_t trinary(std::uint8_t cell) {
   }
   const double occupancy = (cell - 1) / 254.0;
   return occupancy > kOccupiedThreshold ? 0 : occupancy < kFreeThreshold ? 254 : kUnknown;
+}
+
+template <typename Column, typename Row>
+void drawPath(cv::Mat& picture, const common::Trajectory& path, const cv::Scalar& colour,
+              const Column& column, const Row& row) {
+  constexpr int kShift = 4;  // Sub-pixel bits.
+  std::vector<cv::Point> points;
+  for (const common::StampedPose& pose : path) {
+    const Eigen::Vector3d p = pose.T_a_b.translation();
+    points.emplace_back(static_cast<int>(column(p) * (1 << kShift)),
+                        static_cast<int>(row(p) * (1 << kShift)));
+  }
+  cv::polylines(picture, points, false, colour, 1, cv::LINE_AA, kShift);
 }
 
 void writeImage(const std::filesystem::path& path, const cv::Mat& image) {
@@ -74,7 +91,8 @@ void GridAssembly::add(const rubble::grid_map_t& message) {
   }
 }
 
-void GridAssembly::write(const std::filesystem::path& stem, const common::Trajectory& path) const {
+void GridAssembly::write(const std::filesystem::path& stem, const common::Trajectory& T_world_lidar,
+                         const common::Trajectory& T_world_body) const {
   std::int64_t min_x = std::numeric_limits<std::int32_t>::max();
   std::int64_t max_x = std::numeric_limits<std::int32_t>::min();
   for (const auto& [index, tile] : tiles_) {
@@ -118,14 +136,29 @@ void GridAssembly::write(const std::filesystem::path& stem, const common::Trajec
 
   cv::Mat picture;
   cv::cvtColor(shown, picture, cv::COLOR_GRAY2BGR);
-  constexpr int kShift = 4;  // Sub-pixel bits of the drawn path.
-  std::vector<cv::Point> points;
-  for (const common::StampedPose& pose : path) {
-    const double column = (pose.T_a_b.translation().x() - origin_x) / cell_size_;
-    const double row = static_cast<double>(height) - (pose.T_a_b.translation().y() - origin_y) / cell_size_;
-    points.emplace_back(static_cast<int>(column * (1 << kShift)), static_cast<int>(row * (1 << kShift)));
+  const auto column = [&](const Eigen::Vector3d& p) { return (p.x() - origin_x) / cell_size_; };
+  const auto row = [&](const Eigen::Vector3d& p) {
+    return static_cast<double>(height) - (p.y() - origin_y) / cell_size_;
+  };
+  drawPath(picture, T_world_lidar, kPurple, column, row);
+  drawPath(picture, T_world_body, kGreen, column, row);
+  if (!T_world_body.empty()) {
+    double lowest = 0.0;
+    double highest = 0.0;
+    for (const common::StampedPose& pose : T_world_body) {
+      lowest = std::min(lowest, pose.T_a_b.translation().z());
+      highest = std::max(highest, pose.T_a_b.translation().z());
+    }
+    // A broken height must not become a broken picture.
+    const double top = std::min(highest, kHighestView) + kViewMargin;
+    const double bottom = std::max(lowest, -kHighestView) - kViewMargin;
+    cv::Mat front(static_cast<int>((top - bottom) / cell_size_), picture.cols, CV_8UC3, cv::Scalar::all(255));
+    const auto elevation = [&](const Eigen::Vector3d& p) { return (top - p.z()) / cell_size_; };
+    const int floor = static_cast<int>(top / cell_size_);
+    cv::line(front, {0, floor}, {front.cols, floor}, cv::Scalar::all(kUnknown));
+    drawPath(front, T_world_body, kGreen, column, elevation);
+    cv::vconcat(picture, front, picture);
   }
-  cv::polylines(picture, points, false, kPurple, 1, cv::LINE_AA, kShift);
   writeImage(stem.string() + ".png", picture);
 }
 

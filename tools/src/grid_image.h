@@ -20,8 +20,10 @@ class GridAssembly {
   bool empty() const { return tiles_.empty(); }
 
   /// Writes `stem`.pgm and `stem`.yaml as ROS' map_server reads them (white free, black occupied, grey
-  /// unknown; image row 0 is the largest y), and `stem`.png with the path (T_world_lidar) drawn in purple.
-  void write(const std::filesystem::path& stem, const common::Trajectory& path) const;
+  /// unknown; image row 0 is the largest y), and `stem`.png with the LiDAR's path drawn in purple and the
+  /// robot's in green; where there is one, its front view (x, z) stands below.
+  void write(const std::filesystem::path& stem, const common::Trajectory& T_world_lidar,
+             const common::Trajectory& T_world_body) const;
 
  private:
   struct Tile {

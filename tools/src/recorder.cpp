@@ -118,7 +118,7 @@ void Recorder::write(const std::filesystem::path& dir) const {
   common::writeFileAtomically(dir / "poses.csv", poses_csv_);
   for (const auto& [level, grid] : levels_) {
     if (!grid.empty()) {
-      grid.write(dir / fmt::format("map_{}", level), lidar_);
+      grid.write(dir / fmt::format("map_{}", level), lidar_, fused_);
     }
   }
 }

@@ -57,9 +57,7 @@ class History {
   /// True when at(utime) needs no extrapolation into the future.
   bool covers(Utime utime) const { return !samples_.empty() && utime <= samples_.back().first; }
   /// True when the newest sample is so old that the signal has to be taken for silent.
-  bool silent(Utime utime) const {
-    return samples_.empty() || utime - samples_.back().first > kSilence;
-  }
+  bool silent(Utime utime) const { return samples_.empty() || utime - samples_.back().first > kSilence; }
 
   /// Value at a time: between the neighbours, or carried on from the last two at most kLongestExtrapolation.
   /// Empty where the history does not reach.

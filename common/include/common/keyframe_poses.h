@@ -17,8 +17,8 @@ struct AnchoredPose {
   Pose3 T_keyframe_camera = Pose3::Identity();
 };
 
-/// Where the keyframes of the monocular maps are, as far as is known. Finds where an anchored picture is after all
-/// corrections since.
+/// Where the keyframes of the monocular maps are, as far as is known. Finds where an anchored picture is
+/// after all corrections since.
 class KeyframePoses {
  public:
   struct Keyframe {

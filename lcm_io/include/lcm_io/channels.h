@@ -36,6 +36,7 @@ inline constexpr char kLidarPose[] = "LIDAR_POSE";
 inline constexpr char kGridMap[] = "GRID_MAP";
 inline constexpr char kRobotPose[] = "ROBOT_POSE";
 inline constexpr char kFusionState[] = "FUSION_STATE";
+inline constexpr char kTrajectory[] = "TRAJECTORY";
 inline constexpr char kHealth[] = "HEALTH";
 inline constexpr char kRevisitRequest[] = "REVISIT_REQUEST";
 inline constexpr char kLidarControl[] = "LIDAR_CONTROL";

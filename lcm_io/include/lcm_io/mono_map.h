@@ -7,8 +7,8 @@
 
 namespace rubble::lcm_io {
 
-/// Takes a message's keyframes over into `keyframes` and returns its pictures. Throws common::Error for a pose that
-/// is none.
+/// Takes a message's keyframes over into `keyframes` and returns its pictures. Throws common::Error for a
+/// pose that is none.
 std::vector<common::AnchoredPose> readMonoMap(const rubble::mono_map_t& message,
                                               common::KeyframePoses& keyframes);
 

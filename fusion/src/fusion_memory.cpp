@@ -1,0 +1,109 @@
+#include "fusion_memory.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "common/byte_stream.h"
+#include "common/files.h"
+
+namespace rubble::fusion {
+
+namespace {
+
+using common::ByteReader;
+using common::ByteWriter;
+using common::Pose3;
+
+constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '1'};
+
+void putPose(ByteWriter& out, const Pose3& T) { out.putAll(std::span<const double>(T.matrix().data(), 16)); }
+
+Pose3 getPose(ByteReader& in) {
+  Pose3 T;
+  in.getAll(std::span<double>(T.matrix().data(), 16));
+  if (!T.matrix().allFinite()) {
+    in.fail("a pose that is not finite");
+  }
+  return T;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> serialise(const FusionMemory& memory) {
+  ByteWriter out;
+  out.put(kMagic);
+  out.put(memory.last.utime);
+  putPose(out, memory.last.T_world_camera);
+  out.put(static_cast<std::uint8_t>(memory.last.tracking));
+  out.put(memory.last.map_id);
+  out.put(memory.last.map_revision);
+  putPose(out, memory.last.T_mono_camera);
+  out.put(static_cast<std::uint8_t>(memory.state));
+  out.put(memory.revision);
+  out.put(static_cast<std::uint8_t>(memory.attitude_known));
+  out.put(static_cast<std::uint64_t>(memory.maps.size()));
+  for (const auto& [id, map] : memory.maps) {
+    Pose3 T = Pose3::Identity();
+    T.linear() = map.S_world_mono.R;
+    T.translation() = map.S_world_mono.p;
+    out.put(id);
+    out.put(map.S_world_mono.scale);
+    putPose(out, T);
+    out.put(map.scale_sigma);
+    out.put(static_cast<std::uint8_t>(map.scale_known));
+  }
+  out.put(common::crc32(out.bytes()));
+  return std::move(out.bytes());
+}
+
+FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes) {
+  ByteReader in(bytes, "checkpoint of the fusion");
+  if (in.get<std::array<char, 8>>() != kMagic) {
+    in.fail("not a checkpoint of this version");
+  }
+  std::uint32_t crc = 0;
+  if (in.left() < sizeof crc) {
+    in.fail("truncated");
+  }
+  const auto content = bytes.first(bytes.size() - sizeof crc);
+  std::memcpy(&crc, bytes.data() + content.size(), sizeof crc);
+  if (crc != common::crc32(content)) {
+    in.fail("corrupt: the checksum differs");
+  }
+  FusionMemory memory;
+  memory.last.utime = in.get<common::Utime>();
+  memory.last.T_world_camera = getPose(in);
+  memory.last.tracking = in.get<std::uint8_t>() != 0;
+  memory.last.map_id = in.get<std::int32_t>();
+  memory.last.map_revision = in.get<std::int64_t>();
+  memory.last.T_mono_camera = getPose(in);
+  const auto state = in.get<std::uint8_t>();
+  if (state > static_cast<std::uint8_t>(ControlState::kR)) {
+    in.fail("an unknown state");
+  }
+  memory.state = static_cast<ControlState>(state);
+  memory.revision = in.get<std::int64_t>();
+  memory.attitude_known = in.get<std::uint8_t>() != 0;
+  constexpr std::size_t kMapBytes = 4 + 8 + 16 * 8 + 8 + 1;
+  for (std::size_t i = in.getCount(kMapBytes); i > 0; --i) {
+    const auto id = in.get<std::int32_t>();
+    MapAlignment& map = memory.maps[id];
+    map.S_world_mono.scale = in.get<double>();
+    const Pose3 T = getPose(in);
+    map.S_world_mono.R = T.linear();
+    map.S_world_mono.p = T.translation();
+    map.scale_sigma = in.get<double>();
+    map.scale_known = in.get<std::uint8_t>() != 0;
+    if (!(map.S_world_mono.scale > 0.0) || !std::isfinite(map.S_world_mono.scale)) {
+      in.fail("a scale that is not positive");
+    }
+  }
+  if (in.left() != sizeof crc) {
+    in.fail("bytes beyond its end");
+  }
+  return memory;
+}
+
+}  // namespace rubble::fusion

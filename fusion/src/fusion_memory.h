@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "alignment.h"
+#include "common/time.h"
+#include "plane_state.h"
+
+namespace rubble::fusion {
+
+/// How a monocular map lies in world.
+struct MapAlignment {
+  Similarity S_world_mono;
+  double scale_sigma = 1.0;  ///< relative
+  bool scale_known = false;
+};
+
+/// One picture's time with what vision said and where the camera was.
+struct Track {
+  common::Utime utime = 0;
+  common::Pose3 T_world_camera = common::Pose3::Identity();
+  bool tracking = false;
+  std::int32_t map_id = 0;
+  std::int64_t map_revision = 0;
+  common::Pose3 T_mono_camera = common::Pose3::Identity();
+};
+
+/// What must survive the process: with it vision goes on in the same world at the same scale.
+struct FusionMemory {
+  Track last;
+  ControlState state = ControlState::kH;
+  std::int64_t revision = 0;
+  bool attitude_known = true;
+  std::map<std::int32_t, MapAlignment> maps;
+};
+
+std::vector<std::uint8_t> serialise(const FusionMemory& memory);
+/// Throws common::Error for bytes that are truncated, corrupt or of another version.
+FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes);
+
+}  // namespace rubble::fusion

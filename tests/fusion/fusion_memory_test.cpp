@@ -1,0 +1,51 @@
+#include "fusion_memory.h"
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "drive.h"
+
+namespace rubble::fusion {
+namespace {
+
+FusionMemory example() {
+  FusionMemory memory;
+  memory.last.utime = 123;
+  memory.last.T_world_camera = test::windingPath(2.0);
+  memory.last.tracking = true;
+  memory.last.map_id = 2;
+  memory.last.map_revision = 5;
+  memory.last.T_mono_camera = test::T_mono_camera(memory.last.T_world_camera, test::S_world_mono());
+  memory.state = ControlState::kM;
+  memory.revision = 9;
+  memory.attitude_known = false;
+  memory.maps[1] = {test::S_world_mono(), 0.01, true};
+  memory.maps[2] = {};
+  return memory;
+}
+
+TEST(FusionMemory, ComesBackAsItWas) {
+  const auto bytes = serialise(example());
+  EXPECT_EQ(serialise(parseFusionMemory(bytes)), bytes);
+  const FusionMemory memory = parseFusionMemory(bytes);
+  EXPECT_EQ(memory.state, ControlState::kM);
+  EXPECT_EQ(memory.revision, 9);
+  EXPECT_FALSE(memory.attitude_known);
+  EXPECT_DOUBLE_EQ(memory.maps.at(1).S_world_mono.scale, test::S_world_mono().scale);
+  EXPECT_FALSE(memory.maps.at(2).scale_known);
+}
+
+TEST(FusionMemory, DamageIsRefused) {
+  const auto bytes = serialise(example());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_THROW(parseFusionMemory(std::span(bytes).first(size)), common::Error) << size;
+  }
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    auto damaged = bytes;
+    damaged[i] ^= 0x10;
+    EXPECT_THROW(parseFusionMemory(damaged), common::Error) << i;
+  }
+}
+
+}  // namespace
+}  // namespace rubble::fusion
