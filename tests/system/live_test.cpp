@@ -178,5 +178,48 @@ TEST_F(LiveTest, MonocularSlamFollowsTheCameraAndTheConsolesLogHoldsItsPath) {
   EXPECT_LT(json.at("translation_rmse_m").get<double>(), 0.02) << ate.output;
 }
 
+/// With pictures: vision, LiDAR and fusion at once, live against replay.
+TEST_F(LiveTest, FusedPathIsReplays) {
+  RUBBLE_NEEDS_MULTICAST();
+  const auto made = test::shell(kBin +
+                                "rubble arena --mission flat --seed 1 --duration 20 --no-cache --set "
+                                "arena_sim.camera.samples=1 --out " +
+                                path("seen"));
+  ASSERT_EQ(made.status, 0) << made.output;
+  const auto replayed =
+      test::shell(kBin + "rubble replay " + path("seen/mission.lcm") + " --out " + path("seen_replayed"));
+  ASSERT_EQ(replayed.status, 0) << replayed.output;
+
+  const auto console = startConsole("log_seen");
+  std::vector<std::unique_ptr<test::ChildProcess>> processes;
+  for (const char* program : {"rubble-slam-lidar", "rubble-slam-mono", "rubble-fusion"}) {
+    processes.push_back(start(program));
+  }
+  const auto played = play(path("seen/mission.lcm"), "slam_lidar,ops_console,slam_mono,fusion");
+  ASSERT_EQ(played.status, 0) << played.output;
+  for (const auto& process : processes) {
+    EXPECT_EQ(terminate(*process), 0);
+  }
+  EXPECT_EQ(terminate(*console), 0);
+  const auto exported =
+      test::shell(kBin + "rubble export results " + onlyLog("log_seen") + " --out " + path("seen_live"));
+  ASSERT_EQ(exported.status, 0) << exported.output;
+
+  const common::Trajectory live = common::readTum(path("seen_live/trajectory_fused.tum"));
+  const common::Trajectory reference = common::readTum(path("seen_replayed/trajectory_fused.tum"));
+  std::size_t compared = 0;
+  for (const common::StampedPose& pose : live) {
+    const auto same = std::find_if(reference.begin(), reference.end(),
+                                   [&](const common::StampedPose& r) { return r.utime == pose.utime; });
+    if (same != reference.end()) {
+      ++compared;
+      const common::Pose3 T = same->T_a_b.inverse() * pose.T_a_b;
+      EXPECT_LT(T.translation().norm(), 0.03) << "at " << pose.utime;
+      EXPECT_LT(Eigen::AngleAxisd(T.linear()).angle(), 0.5 * M_PI / 180.0) << "at " << pose.utime;
+    }
+  }
+  EXPECT_GT(compared, reference.size() * 95 / 100);
+}
+
 }  // namespace
 }  // namespace rubble
