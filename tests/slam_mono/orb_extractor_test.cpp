@@ -217,6 +217,27 @@ TEST(OrbExtractor, TakesPicturesWithoutAndWithTooMuchTexture) {
   EXPECT_LE(extractor.extract(noise(cv::Rect(0, 0, 64, 480))).size(), 100U);
 }
 
+TEST(OrbExtractor, FindsFaintTextureAgain) {
+  // A plain wall: hardly anything there differs by the lower threshold of 7.
+  cv::Mat faint;
+  texture({640, 480}, 9).convertTo(faint, CV_8UC1, 0.05, 120.0);
+  OrbExtractor extractor({});
+  const Features first = extractor.extract(withNoise(faint, 0.5, 10));
+  const Features second = extractor.extract(withNoise(faint, 0.5, 11));
+  EXPECT_GT(first.size(), 500U);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    for (std::size_t j = 0; j < second.size(); ++j) {
+      if (first.octave[i] == second.octave[j] && cv::norm(position(first, i) - position(second, j)) < 4.0 &&
+          hammingDistance(first.descriptors[i], second.descriptors[j]) <= 50) {
+        ++found;
+        break;
+      }
+    }
+  }
+  EXPECT_GT(found, first.size() / 2);
+}
+
 TEST(OrbExtractor, RefusesOtherPictures) {
   OrbExtractor extractor({});
   const auto errorFor = [&](const cv::Mat& picture) {

@@ -19,6 +19,10 @@ double slope(const Eigen::Vector3d& bearing, Dice& /*dice*/) {
   return 1.0 / std::max(1e-3, Eigen::Vector3d(0.1, 0.35, 0.3).dot(bearing));
 }
 double wall(const Eigen::Vector3d& bearing, Dice& /*dice*/) { return 3.0 / std::max(1e-3, bearing.z()); }
+/// A wall with something before it here and there.
+double furnishedWall(const Eigen::Vector3d& bearing, Dice& dice) {
+  return wall(bearing, dice) * (dice.chance(0.25) ? dice.uniform(0.4, 0.8) : 1.0);
+}
 
 struct Case {
   common::Pose3 T_b_a;
@@ -144,6 +148,20 @@ TEST(TwoViewTest, SidewaysBeforeAWall) {
 TEST(TwoViewTest, ForwardsToAWallIsRightOrRefused) {
   for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.0, 0.0, 0.8), Eigen::Vector3d(0.4, 0.0, 0.6)}) {
     EXPECT_EQ(run(arenaCamera(), {seenFrom(way, {0.02, 0.03, 0.0}), wall}, 60).wrong, 0);
+  }
+}
+
+TEST(TwoViewTest, ForwardsToAFurnishedWall) {
+  // Before the wall alone both motions of its homography meet: what stands before it tells the direction.
+  for (const double outliers : {0.05, 0.2, 0.4}) {
+    Case test{seenFrom({0.02, 0.0, 0.6}, {0.02, 0.03, 0.0}), furnishedWall};
+    test.outlier_share = outliers;
+    const Tally tally = run(arenaCamera(), test, 60);
+    EXPECT_EQ(tally.wrong, 0) << outliers << " found " << tally.found;
+    EXPECT_LT(tally.worst_direction, 0.1) << outliers << " found " << tally.found;
+    if (outliers < 0.1) {
+      EXPECT_GE(tally.found, 55);
+    }
   }
 }
 

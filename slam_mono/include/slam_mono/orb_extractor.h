@@ -12,7 +12,7 @@ struct OrbConfig {
   double scale_factor = 1.2;  ///< from one pyramid level to the next
   int levels = 8;
   int threshold = 20;     ///< FAST: grey levels, tried first in every cell
-  int min_threshold = 7;  ///< FAST: in cells that have no corner at `threshold`
+  int min_threshold = 7;  ///< FAST: in cells that have no corner at `threshold`; half of it in poor pictures
 };
 
 /// ORB features spread evenly over the picture: FAST-9 corners per cell with adaptive threshold on an image

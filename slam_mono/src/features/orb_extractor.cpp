@@ -30,6 +30,7 @@ HWY_EXPORT(describePatches);
 
 constexpr int kSmallestSide = 64;
 constexpr int kLargestSide = 16384;
+constexpr double kPoorShare = 0.5;  // of the wanted features; a picture with fewer gives its faint ones too
 
 struct Level {
   cv::Mat grey;
@@ -67,9 +68,12 @@ struct OrbExtractor::State {
   explicit State(const OrbConfig& orb_config)
       : config(orb_config),
         detector(config.threshold, config.min_threshold),
+        faint_detector(config.min_threshold, std::max(1, config.min_threshold / 2)),
         levels(static_cast<std::size_t>(config.levels)) {}
 
   void buildPyramid(const cv::Mat& grey);
+  /// At most `wanted`; their number.
+  int pickCorners(FastDetector& by, int wanted);
   void pickCorners();
   void smooth(Level* level);
   void describe(const Level& level, std::uint8_t octave, Features* features);
@@ -78,6 +82,7 @@ struct OrbExtractor::State {
   Disc disc;
   Pattern pattern;
   FastDetector detector;
+  FastDetector faint_detector;  // of pictures that show next to nothing
   CornerQuadtree quadtree;
   std::vector<Level> levels;
   std::vector<std::uint8_t> row;
@@ -96,20 +101,29 @@ void OrbExtractor::State::buildPyramid(const cv::Mat& grey) {
   }
 }
 
-void OrbExtractor::State::pickCorners() {
-  const cv::Size size = levels.front().grey.size();
-  const double area = static_cast<double>(size.width) * size.height / (640.0 * 480.0);
-  int wanted = static_cast<int>(std::clamp(std::round(config.features * area), 1.0, 1.0 * kMostFeatures));
+int OrbExtractor::State::pickCorners(FastDetector& by, int wanted) {
+  int picked = 0;
   // From the coarsest level on, so that what coarse levels lack goes to the finer ones.
   for (std::size_t i = levels.size(); i-- > 0;) {
     Level& level = levels[i];
-    detector.detect(level.grey, &level.corners);
+    by.detect(level.grey, &level.corners);
     // Share of q^i in 1 + q + .. + q^i.
     const double q = 1.0 / config.scale_factor;
     const double share = std::pow(q, i) * (1.0 - q) / (1.0 - std::pow(q, i + 1));
-    quadtree.thin(level.grey.cols, level.grey.rows, static_cast<int>(std::lround(wanted * share)),
+    quadtree.thin(level.grey.cols, level.grey.rows, static_cast<int>(std::lround((wanted - picked) * share)),
                   &level.corners);
-    wanted -= static_cast<int>(level.corners.size());
+    picked += static_cast<int>(level.corners.size());
+  }
+  return picked;
+}
+
+void OrbExtractor::State::pickCorners() {
+  const cv::Size size = levels.front().grey.size();
+  const double area = static_cast<double>(size.width) * size.height / (640.0 * 480.0);
+  const int wanted =
+      static_cast<int>(std::clamp(std::round(config.features * area), 1.0, 1.0 * kMostFeatures));
+  if (pickCorners(detector, wanted) < kPoorShare * wanted) {
+    pickCorners(faint_detector, wanted);
   }
 }
 

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "geometry/two_view_hypothesis.h"
 #include "geometry/two_view_models.h"
@@ -14,6 +13,10 @@ namespace {
 
 // Of both scores that the homography has; for a plane and noise of unit variance 4/9 (as R_H in ORB-SLAM).
 constexpr double kPlanarShare = 0.35;
+// Of all pairs and of those off the plane that one epipole explains there: by chance a twentieth and a tenth
+// at most.
+constexpr double kMinStructureShare = 0.1;
+constexpr double kMinOffPlaneShare = 0.2;
 constexpr int kRotationIterations = 60;       // a clean pair among half outliers is missed once in 3e7
 constexpr double kMaxRotationShare = 0.5;     // of the matches that a mere rotation may explain
 constexpr double kMaxDirectionSigma = 0.025;  // rad, of the translation: straight to a wall both motions meet
@@ -88,14 +91,22 @@ std::optional<TwoViewResult> reconstructTwoViews(const Camera& camera, std::span
   const std::vector<common::Pose3> planar_motions = motionsOfHomography(homography.M);
   motions.insert(motions.end(), planar_motions.begin(), planar_motions.end());
 
-  // On a plane the essential matrix has room for outliers (Chum, Werner & Matas 2005): what the homography
-  // does not explain must not pull there.
-  const bool planar = homography.score > kPlanarShare * (homography.score + essential.score);
-  std::vector<RayPair> support;
+  std::vector<RayPair> on_plane;
+  std::vector<RayPair> off_plane;
   const Eigen::Matrix3d Hi = homography.M.inverse();
-  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(support), [&](const RayPair& pair) {
-    return !planar || transferChi2(camera, homography.M, Hi, pair) < kChi2Two;
-  });
+  for (const RayPair& pair : pairs) {
+    (transferChi2(camera, homography.M, Hi, pair) < kChi2Two ? on_plane : off_plane).push_back(pair);
+  }
+  // On a plane the essential matrix has room for outliers (Chum, Werner & Matas 2005): what the homography
+  // does not explain must not pull there, unless so much of it meets one epipole that it is structure.
+  const auto structure =
+      static_cast<double>(std::count_if(off_plane.begin(), off_plane.end(), [&](const RayPair& pair) {
+        return EpipolarError(essential.M, pair).chi2(pair) < kChi2One;
+      }));
+  const bool planar = homography.score > kPlanarShare * (homography.score + essential.score) &&
+                      (structure < kMinStructureShare * static_cast<double>(pairs.size()) ||
+                       structure < kMinOffPlaneShare * static_cast<double>(off_plane.size()));
+  const std::vector<RayPair>& support = planar ? on_plane : pairs;
   std::vector<TwoViewHypothesis> hypotheses;
   hypotheses.reserve(motions.size());
   for (const common::Pose3& T_b_a : motions) {
