@@ -25,6 +25,8 @@ class AlignmentWindow {
   void add(const common::AnchoredPose& picture, const common::Pose2& T_world_lidar,
            const Eigen::Vector3d& v_world_lidar, const common::Pose3& T_camera_lidar);
 
+  void clear() { samples_.clear(); }
+
   /// Estimates how the map lies in world. Empty where the motion does not show it.
   std::optional<MapAlignment> solve(std::int32_t map_id, const common::KeyframePoses& keyframes,
                                     const MapAlignment& last);

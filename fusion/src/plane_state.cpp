@@ -54,17 +54,20 @@ void PlaneState::addPlane(common::Utime utime, double height, double tilt, bool 
   }
 }
 
-void PlaneState::addScan(Scan scan) {
+bool PlaneState::addScan(Scan scan) {
   verified_ = scan == Scan::kAgrees ? verified_ + 1 : 0;
   contradicting_ = scan == Scan::kContradicts ? contradicting_ + 1 : 0;
   if (state_ == ControlState::kH && config_.mode != "lsm" && contradicting_ >= config_.contradictions) {
     ++contradicted_;
     change(ControlState::kM);
-  } else if (state_ == ControlState::kR &&
-             (verified_ >= (attitude_known_ ? config_.verify_scans : config_.observe_scans) ||
-              contradicting_ >= kInsist * config_.observe_scans)) {
-    change(ControlState::kH);
+  } else if (state_ == ControlState::kR) {
+    const bool insists = contradicting_ >= kInsist * config_.observe_scans;
+    if (insists || verified_ >= (attitude_known_ ? config_.verify_scans : config_.observe_scans)) {
+      change(ControlState::kH);
+      return insists;
+    }
   }
+  return false;
 }
 
 void PlaneState::restore(ControlState state, std::int64_t revision) {

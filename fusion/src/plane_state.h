@@ -35,7 +35,8 @@ class PlaneState {
   /// A scan handled under the present revision: whether it was matched on a usable plane, and with vision. In
   /// H contradiction leads to M. In R agreement leads to H, and so does a LiDAR that contradicts for long:
   /// world is the LiDAR's.
-  void addScan(Scan scan);
+  /// Returns true when it was the latter: vision was wrong.
+  bool addScan(Scan scan);
 
   ControlState state() const { return state_; }
   std::int64_t revision() const { return revision_; }

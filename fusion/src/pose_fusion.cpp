@@ -311,9 +311,14 @@ void PoseFusion::addLidar(const LidarMeasurement& lidar) {
   const bool near = shift.norm() <= (wide ? kReturnWay : kJumpWay) + drift_ &&
                     std::abs(turn) <= (wide ? kReturnTurn : kJumpTurn);
   const bool matched = lidar.good && usable;
-  plane_.addScan(!matched                   ? PlaneState::Scan::kUnmatched
-                 : near || !visionCarries() ? PlaneState::Scan::kAgrees
-                                            : PlaneState::Scan::kContradicts);
+  const bool vision_was_wrong = plane_.addScan(!matched                   ? PlaneState::Scan::kUnmatched
+                                               : near || !visionCarries() ? PlaneState::Scan::kAgrees
+                                                                          : PlaneState::Scan::kContradicts);
+  if (vision_was_wrong) {
+    // Its scale ran away, or it took one place for another: it is learnt anew.
+    maps_[map_id_].scale_known = false;
+    window_.clear();
+  }
   const bool returned = returns && plane_.state() == ControlState::kH;
   if (returned) {
     attitude_known_ = true;
