@@ -20,6 +20,8 @@ namespace {
 constexpr Utime kTrackSpan = common::kMicrosecondsPerSecond;
 /// Span over which velocities are taken.
 constexpr Utime kVelocitySpan = common::kMicrosecondsPerSecond / 10;
+/// Scans that wait for vision: one second.
+constexpr std::size_t kMostWaiting = 40;
 /// Share of a scan's motion in the velocity that carries the pose without vision.
 constexpr double kVelocityGain = 0.3;
 /// Silence after which a sensor no longer carries the pose.
@@ -204,6 +206,7 @@ RobotState PoseFusion::addTrack(const Track& track) {
     tracks_.pop_front();
   }
   watchAttitude();
+  useWaiting();
   const Pose3 T_world_lidar = tracks_.back().T_world_camera * T_camera_lidar(track.utime);
   plane_.addPlane(track.utime, T_world_lidar.translation().z() - robot_.lidarHeight(),
                   tiltOf(T_world_lidar.linear()), attitude_known_);
@@ -253,8 +256,7 @@ std::optional<Pose3> PoseFusion::cameraAt(Utime utime) const {
   const auto after = std::lower_bound(tracks_.begin(), tracks_.end(), utime,
                                       [](const Track& track, Utime t) { return track.utime < t; });
   if (after == tracks_.end()) {
-    return tracks_.empty() || utime - tracks_.back().utime > kSilence ? std::nullopt
-                                                                      : std::optional(extrapolate(utime));
+    return std::nullopt;
   }
   if (after->utime == utime) {
     return after->T_world_camera;
@@ -294,6 +296,22 @@ void PoseFusion::noteVelocity(const LidarMeasurement& lidar) {
 }
 
 void PoseFusion::addLidar(const LidarMeasurement& lidar) {
+  waiting_.push_back(lidar);
+  if (waiting_.size() > kMostWaiting) {
+    waiting_.pop_front();
+  }
+  useWaiting();
+}
+
+void PoseFusion::useWaiting() {
+  while (!waiting_.empty() && !tracks_.empty() && waiting_.front().utime <= tracks_.back().utime) {
+    const LidarMeasurement lidar = waiting_.front();
+    waiting_.pop_front();
+    useLidar(lidar);
+  }
+}
+
+void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   const auto T_world_camera = cameraAt(lidar.utime);
   const bool current = lidar.revision < 0 || lidar.revision == plane_.revision();
   if (!T_world_camera || !current || plane_.state() == ControlState::kM) {

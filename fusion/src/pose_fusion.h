@@ -85,6 +85,9 @@ class PoseFusion {
 
  private:
   common::Pose3 carry(const MonoMeasurement& mono);
+  /// Scans whose time vision has reached.
+  void useWaiting();
+  void useLidar(const LidarMeasurement& lidar);
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
   common::Pose3 T_camera_lidar(common::Utime utime) const;
@@ -107,6 +110,7 @@ class PoseFusion {
   PlaneState plane_;
 
   common::History<Eigen::Vector2d> plate_{4 * common::kMicrosecondsPerSecond};
+  std::deque<LidarMeasurement> waiting_;                                      // Newer than the last picture.
   common::History<common::Pose2> lidar_{8 * common::kMicrosecondsPerSecond};  // In H.
   common::Utime last_lidar_ = 0;
   common::Pose2 T_world_lidar_last_;
