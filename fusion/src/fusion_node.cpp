@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <rubble/fusion_state_t.hpp>
@@ -42,6 +43,8 @@ constexpr Utime kStatePeriod = common::kMicrosecondsPerSecond / 2;
 /// Silence of MONO_POSE after which the state is published without pictures, and how often.
 constexpr Utime kMonoSilence = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kBlindPeriod = common::kMicrosecondsPerSecond / 30;
+/// A picture that seems to be later than this is of a log.
+constexpr Utime kLatest = common::kMicrosecondsPerSecond;
 /// How long a contradiction is reported.
 constexpr Utime kContradictionSpan = 10 * common::kMicrosecondsPerSecond;
 constexpr int kLevel = 0;
@@ -67,10 +70,11 @@ class FusionNode : public lcm_io::Node {
     }
   }
 
-  void advance(Utime now) override {
+  void advance(Utime bus_now) override {
     if (!started_) {
       return;
     }
+    const Utime now = bus_now + log_offset_;
     if (now - last_mono_ >= kMonoSilence && now - last_state_.utime >= kBlindPeriod) {
       ++counters_.blind;
       publish(fusion_.advance(now));
@@ -189,6 +193,9 @@ class FusionNode : public lcm_io::Node {
     }
     started_ = true;
     last_mono_ = m.utime;
+    // A log that is played live has its own time.
+    const Utime late = bus_.now() - m.utime;
+    log_offset_ = std::abs(late) < kLatest ? 0 : -late;
     counters_.blind += mono.tracking ? 0 : 1;
     publish(fusion_.addMono(mono));
   }
@@ -320,6 +327,7 @@ class FusionNode : public lcm_io::Node {
   std::int64_t noted_revision_ = 0;
   int contradicted_ = 0;
   Utime last_contradiction_ = 0;
+  Utime log_offset_ = 0;  // From the bus's time to the data's.
   Utime last_mono_ = 0;
   Utime last_control_ = 0;
   Utime last_command_ = 0;
