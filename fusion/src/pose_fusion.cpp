@@ -148,12 +148,14 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
     }
     return T;
   }
-  const bool was_lost = last == nullptr || !last->tracking;
-  if (!was_lost) {
+  if (last != nullptr && last->tracking && last->map_id == mono.map_id) {
     return T_predicted;  // The map was corrected under the pose: that does not move the robot.
   }
+  // Vision is back, or in another map.
   if (!alignment.scale_known) {
-    return T_predicted;
+    Pose3 T = T_predicted;
+    T.linear() = T_aligned.linear();
+    return T;
   }
   attitude_known_ = true;
   if (plane_.state() != ControlState::kH || !lidarMatches(mono.utime)) {
@@ -394,7 +396,17 @@ void PoseFusion::solve(const common::KeyframePoses& keyframes) {
     map->second = *solved;
     if (plane_.state() == ControlState::kH) {
       pullToAlignment();
+    } else if (map_revision_ != solved_revision_) {
+      goToAlignment();
     }
+    solved_revision_ = map_revision_;
+  }
+}
+
+void PoseFusion::goToAlignment() {
+  const Track& track = tracks_.back();
+  if (visionTracks() && track.map_id == map_id_ && track.map_revision == map_revision_) {
+    correct(maps_.at(map_id_).S_world_mono * track.T_mono_camera * track.T_world_camera.inverse());
   }
 }
 

@@ -102,7 +102,10 @@ class PoseFusion {
   void correct(const common::Pose3& T);
   void addSamples(std::span<const common::AnchoredPose> pictures);
   void solve(const common::KeyframePoses& keyframes);
+  /// In H: a share of height and tilt.
   void pullToAlignment();
+  /// In M: a correction of the map has taken out the drift since.
+  void goToAlignment();
 
   const FusionConfig config_;
   const common::RobotConfig robot_;
@@ -121,6 +124,7 @@ class PoseFusion {
   std::map<std::int32_t, MapAlignment> maps_;
   std::int32_t map_id_ = 0;
   std::int64_t map_revision_ = 0;
+  std::int64_t solved_revision_ = 0;
   bool attitude_known_ = true;
   bool anchored_ = true;              // The pose goes back to a LiDAR pose.
   double drift_ = 0.0;                // m, since the LiDAR last gave the pose

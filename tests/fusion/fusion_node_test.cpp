@@ -137,6 +137,15 @@ class FusionNodeTest : public testing::Test {
   }
 
   rubble::mono_pose_t monoPose() const {
+    if (other_map_) {
+      rubble::mono_pose_t m{};
+      m.utime = now_;
+      m.state = rubble::mono_pose_t::STATE_TRACKING;
+      m.map_id = 2;
+      lcm_io::poseToMessage(*other_map_ * T_world_body_ * robot_.T_body_camera(), m.p_mono_camera,
+                            m.q_mono_camera);
+      return m;
+    }
     rubble::mono_pose_t m{};
     m.utime = now_;
     m.state = way_ < 0.2 ? rubble::mono_pose_t::STATE_INITIALIZING : rubble::mono_pose_t::STATE_TRACKING;
@@ -210,6 +219,7 @@ class FusionNodeTest : public testing::Test {
   int ticks_ = 0;
   bool camera_on_ = true;
   bool lidar_on_ = true;
+  std::optional<Pose3> other_map_;  // Vision is in a map of its own.
   rubble::mono_map_t map_{};
   Pose3 T_mono_keyframe_ = Pose3::Identity();
 
@@ -325,6 +335,22 @@ TEST_F(FusionNodeTest, ACorrectionOfTheMapDoesNotMoveTheRobot) {
   ASSERT_TRUE(state_);
   EXPECT_EQ(state_->map_revision, 1);
   EXPECT_NEAR(state_->scale * 0.9 / test::S_world_mono().scale, 1.0, 0.01) << "re-expressed";
+}
+
+TEST_F(FusionNodeTest, VisionThatReturnsFromAnotherMapIsTakenAtItsOldAlignment) {
+  drive(4.0);
+  camera_on_ = false;
+  drive(0.3);
+  camera_on_ = true;
+  other_map_ = test::pitchedUp(Pose3::Identity(), 1.0);
+  drive(0.5);
+  EXPECT_LT(positionError(), 0.08) << "the LiDAR carries the pose while the new map has no scale";
+  EXPECT_LT(attitudeError(), 0.05) << "a new map inherits the attitude";
+  other_map_.reset();
+  drive(0.3);
+  EXPECT_EQ(state_->map_id, 1);
+  EXPECT_LT(positionError(), 0.05);
+  EXPECT_LT(attitudeError(), 0.02);
 }
 
 TEST_F(FusionNodeTest, AKilledProcessKeepsWorldScaleAndState) {
