@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/files.h"
+#include "replay.h"
 #include "small_arena.h"
 #include "support/error_text.h"
 #include "support/temp_dir.h"
@@ -22,7 +23,7 @@ TEST(ExperimentTest, SeedsAreListsAndRanges) {
   EXPECT_THAT(parseSeeds("1..3"), ElementsAre(1, 2, 3));
   EXPECT_THAT(parseSeeds("9,2..3,5..5"), ElementsAre(9, 2, 3, 5));
   for (const char* bad : {"", "x", "3..1", "1..", "..2", "1,,2", "1,", "-1", "1..2..3", "1..100000", "2.5"}) {
-    EXPECT_NE(test::errorOf([&] { parseSeeds(bad); }), "") << bad;
+    EXPECT_THAT(test::errorOf([&] { parseSeeds(bad); }), HasSubstr(" seed")) << bad;
   }
 }
 
@@ -60,6 +61,22 @@ TEST(ExperimentTest, ScoresEveryMethodOnTheSameMission) {
   EXPECT_FALSE(std::filesystem::exists(seed / "mission" / "mission.lcm"));
   const auto report = common::readFile(dir.path() / "report.md");
   EXPECT_THAT(std::string(report.begin(), report.end()), HasSubstr("| 1 | lsm-robust | 0."));
+}
+
+TEST(ExperimentTest, IsWhatAReplayOfTheLogSays) {
+  const test::TempDir dir;
+  runExperiment({smallMission(), {1}, dir.path(), smallArena()});
+  const auto mission = dir.path() / "again";
+  arena_sim::writeMission(smallMission(), smallArena(), mission);
+  common::Config config = smallArena();
+  config.addFile(mission / "robot.yaml");
+  config.addOverride("fusion.mode=lsm-robust");
+  replay({.log = mission / "mission.lcm", .out_dir = dir.path() / "replay", .only = {}, .config = config});
+  for (const char* file : {"trajectory_fused.tum", "trajectory_mono.tum", "map_0.pgm"}) {
+    EXPECT_EQ(common::readFile(dir.path() / "seed_1" / "lsm-robust" / file),
+              common::readFile(dir.path() / "replay" / file))
+        << file;
+  }
 }
 
 TEST(ExperimentTest, AnErrorNamesTheSeed) {
