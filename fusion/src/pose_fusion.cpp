@@ -43,8 +43,8 @@ constexpr double kBlindDrift = 0.5;
 constexpr double kForgetTilt = 5.0;
 /// The attitude is predicted no further than this, s.
 constexpr double kFarthestPrediction = 0.2;
-/// How a tracked body swings on: the regression of the next 65 ms on the turns of the last two pictures, on the arena's
-/// ramps.
+/// How a tracked body swings on: regression of the next 65 ms on the turns of the last two pictures, on the
+/// arena's ramps.
 constexpr double kSwingLast = 1.2;
 constexpr double kSwingBefore = 0.45;
 /// Tilt of the body (rad) up to which the ground counts as level while nothing sees the attitude.
@@ -442,7 +442,8 @@ PlateAngles PoseFusion::levelling(Utime utime) const {
   };
   Matrix3d R = attitude(0);
   if (tracks_.size() >= 3) {
-    const double ahead = std::min(common::secondsFromUtime(utime - tracks_.back().utime), kFarthestPrediction);
+    const double ahead =
+        std::min(common::secondsFromUtime(utime - tracks_.back().utime), kFarthestPrediction);
     const Vector3d turn = ahead * (kSwingLast * rate(0) - kSwingBefore * rate(1));
     R = R * motionAbout(Vector3d::Zero(), turn, Vector3d::Zero()).linear();
   }
