@@ -38,9 +38,10 @@ std::string row(const std::string& first, const char* method, const Score& score
   return text + "\n";
 }
 
-/// What this share of the seeds reaches in every column.
-Score reachedBy(double share, std::size_t method, const std::vector<SeedScores>& seeds) {
-  Score reached;
+/// One value per column from those of all seeds, the best first.
+template <typename Pick>
+Score summary(std::size_t method, const std::vector<SeedScores>& seeds, const Pick& pick) {
+  Score score;
   for (const Column& column : kColumns) {
     std::vector<double> values;
     for (const SeedScores& seed : seeds) {
@@ -50,10 +51,18 @@ Score reachedBy(double share, std::size_t method, const std::vector<SeedScores>&
     if (column.more_is_better) {
       std::reverse(values.begin(), values.end());
     }
-    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-    reached.*column.value = values[std::max<std::size_t>(rank, 1) - 1];
+    score.*column.value = pick(values);
   }
-  return reached;
+  return score;
+}
+
+double median(const std::vector<double>& sorted) {
+  return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+}
+
+/// What nine in ten reach.
+double nineTenths(const std::vector<double>& best_first) {
+  return best_first[(9 * best_first.size() + 9) / 10 - 1];
 }
 
 }  // namespace
@@ -68,10 +77,10 @@ std::string experimentReport(const std::string& title, const std::vector<SeedSco
   }
   std::string text = fmt::format("# {}\n\n{}\n{}\n", title, header, rule);
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
-    text += row("**median**", kMethods[m].title, reachedBy(0.5, m, seeds));
+    text += row("**median**", kMethods[m].title, summary(m, seeds, median));
   }
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
-    text += row("**90 % reach**", kMethods[m].title, reachedBy(0.9, m, seeds));
+    text += row("**90 % reach**", kMethods[m].title, summary(m, seeds, nineTenths));
   }
   for (const SeedScores& seed : seeds) {
     for (std::size_t m = 0; m < kMethods.size(); ++m) {
