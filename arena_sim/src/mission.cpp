@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "common/error.h"
 #include "common/files.h"
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 constexpr int kOutputVersion = 1;
 
 constexpr std::uint32_t kControllerStream = 20;
+constexpr char kCalibration[] = "robot.yaml";
 
 MissionKind kindOf(const std::string& name) {
   if (name == "flat") {
@@ -58,7 +60,7 @@ void createFolder(const fs::path& folder) {
 }
 
 void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfig& config,
-            const common::RobotConfig& robot, const fs::path& out) {
+            const common::RobotConfig& calibration, const fs::path& out) {
   WorldConfig world_config = config.world;
   if (kind == MissionKind::kFlat) {
     world_config.crossing = false;
@@ -69,10 +71,16 @@ void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfi
 
   lcm_io::LogWriter log(out / "mission.lcm");
   ContactSheet sheet(motion.duration());
+  const Robot robot = options.make_robot ? options.make_robot(out / kCalibration) : nullptr;
+  std::optional<rubble::stabilizer_command_t> command;
   Simulation simulation(
-      world, motion, config, robot, options.seed, {options.with_camera, options.with_odometry},
+      world, motion, config, calibration, options.seed, {options.with_camera, options.with_odometry},
       [&](common::Utime received, const char* channel, const lcm_io::Bytes& data) {
         log.write(received, channel, data);
+        if (robot) {
+          const auto answer = robot({channel, received, data});
+          command = answer ? answer : command;
+        }
       },
       [&](double seconds, const cv::Mat& bgr) { sheet.add(seconds, bgr); });
   PlateController controller(
@@ -80,7 +88,10 @@ void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfi
       randomStream(options.seed, kControllerStream));
   const double period = 1.0 / config.plate_controller.rate;
   for (double next_command = 0.0; simulation.step();) {
-    if (simulation.seconds() >= next_command) {
+    if (command) {
+      simulation.commandPlate(*command);
+      command.reset();
+    } else if (!robot && simulation.seconds() >= next_command) {
       simulation.commandPlate(controller.next(simulation.seconds()));
       next_command += period;
     }
@@ -106,6 +117,14 @@ common::RobotConfig arenaRobot() {
   return robot;
 }
 
+fs::path userCache() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
+    return fs::path(cache) / "rubble" / "arena";
+  }
+  const char* home = std::getenv("HOME");
+  return home != nullptr && *home != '\0' ? fs::path(home) / ".cache" / "rubble" / "arena" : "";
+}
+
 void writeMission(const MissionOptions& options, const common::Config& config, const fs::path& out) {
   const MissionKind kind = kindOf(options.kind);
   if (options.duration_s && !(*options.duration_s >= kShortestMission)) {
@@ -122,17 +141,18 @@ void writeMission(const MissionOptions& options, const common::Config& config, c
     fs::remove_all(out / name);  // Of an earlier mission.
   }
 
+  const bool keeps = !options.cache.empty() && !options.make_robot;
   const MissionCache cache(
       options.cache, fmt::format("{} {} {} {} {} {}\n{}{}", kOutputVersion, options.kind, options.seed,
                                  options.duration_s.value_or(0.0), options.with_camera, options.with_odometry,
                                  robot_yaml, scenario_yaml));
-  if (!options.cache.empty() && cache.fetch(out)) {
+  if (keeps && cache.fetch(out)) {
     return;
   }
-  common::writeFileAtomically(out / "robot.yaml", robot_yaml);
+  common::writeFileAtomically(out / kCalibration, robot_yaml);
   common::writeFileAtomically(out / "arena_sim.yaml", scenario_yaml);
   record(options, kind, scenario, robot, out);
-  if (!options.cache.empty()) {
+  if (keeps) {
     cache.store(out);
   }
 }

@@ -30,6 +30,7 @@ constexpr double kPictureProcessing = 0.010;  // s, compressing.
 enum Stream : std::uint32_t { kStabilizerStream = 10, kLidarStream, kOdometryStream, kDisturbanceStream };
 
 common::Utime utimeOf(double seconds) { return kStartUtime + common::utimeFromSeconds(seconds); }
+double secondsOf(common::Utime utime) { return common::secondsFromUtime(utime - kStartUtime); }
 
 }  // namespace
 
@@ -82,6 +83,13 @@ bool Simulation::step() {
   next.report(next.stamp(), utimeOf(seconds_) + kTransport);
   ++next.reports;
   return true;
+}
+
+void Simulation::commandPlate(const rubble::stabilizer_command_t& command) {
+  commandPlate({secondsOf(command.utime),
+                {command.roll, command.pitch},
+                {command.roll_rate, command.pitch_rate},
+                secondsOf(command.valid_until_utime)});
 }
 
 template <typename Message>

@@ -5,6 +5,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <rubble/stabilizer_command_t.hpp>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ class Simulation {
   double seconds() const { return seconds_; }
 
   void commandPlate(const PlateCommand& command) { stabilizer_.command(command); }
+  void commandPlate(const rubble::stabilizer_command_t& command);
 
   const Motion& motion() const { return motion_; }
   const TruthRecorder& truth() const { return truth_; }

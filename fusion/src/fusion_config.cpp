@@ -44,7 +44,7 @@ void visit(common::ConfigSection& section, FusionConfig& config) {
                  "share of an alignment's correction in height and tilt");
   section.number("servo_range", config.servo_range, "rad", 0.0, 1.5, "of both plate angles to either side");
   section.number("servo_lead", config.servo_lead, "s", 0.0, 0.5,
-                 "from a picture's exposure to the plate's answer: set-points are predicted by it");
+                 "by which the plate lags behind its set-points: they are predicted by it");
   section.number("checkpoint_period", config.checkpoint_period, "s", 0.5, 5.0, "time between checkpoints");
   section.number(
       "restore_within", config.restore_within, "s", 0.0, 1e6,

@@ -35,7 +35,7 @@ namespace {
 using common::Utime;
 using lcm_io::NodeStatus;
 
-constexpr Utime kCommandPeriod = common::kMicrosecondsPerSecond / 50;
+constexpr Utime kCommandPeriod = common::kMicrosecondsPerSecond / 100;
 constexpr Utime kCommandValid = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kControlPeriod = common::kMicrosecondsPerSecond / 20;
 constexpr Utime kPathPeriod = common::kMicrosecondsPerSecond;
@@ -297,13 +297,14 @@ class FusionNode : public lcm_io::Node {
     last_fusion_state_ = utime;
   }
 
-  /// Set-points for when the plate can have answered what is known now.
+  /// Set-points that run ahead of the attitude by as much as the servos lag behind them.
   void publishCommand(Utime now) {
     rubble::stabilizer_command_t command;
-    command.utime = now + common::utimeFromSeconds(config_.servo_lead);
-    command.valid_until_utime = command.utime + kCommandValid;
-    const PlateAngles angles = fusion_.levelling(command.utime);
-    const PlateAngles before = fusion_.levelling(command.utime - kCommandPeriod);
+    command.utime = now;
+    command.valid_until_utime = now + kCommandValid;
+    const Utime answered = now + common::utimeFromSeconds(config_.servo_lead);
+    const PlateAngles angles = fusion_.levelling(answered);
+    const PlateAngles before = fusion_.levelling(answered - kCommandPeriod);
     const double rate = 1.0 / common::secondsFromUtime(kCommandPeriod);
     command.roll = angles.roll;
     command.pitch = angles.pitch;

@@ -43,6 +43,11 @@ const ChannelInfo* findChannel(std::string_view name) {
   return row == kTable.end() ? nullptr : row;
 }
 
+bool isSource(std::string_view channel) {
+  const ChannelInfo* info = findChannel(channel);
+  return info != nullptr && info->channel_class == kSource;
+}
+
 std::string_view toString(ChannelClass channel_class) {
   switch (channel_class) {
     case kSource:

@@ -7,14 +7,18 @@
 #include <cmath>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <rubble/camera_info_t.hpp>
 #include <rubble/ground_truth_t.hpp>
+#include <rubble/stabilizer_t.hpp>
 #include <set>
+#include <utility>
 
 #include "common/files.h"
 #include "common/trajectory.h"
 #include "lcm_io/channels.h"
 #include "lcm_io/log_file.h"
+#include "lcm_io/replay_hub.h"
 #include "support/error_text.h"
 #include "support/temp_dir.h"
 
@@ -176,6 +180,42 @@ TEST_F(MissionTest, ACachedMissionIsTheSame) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cached.cache), {}), 1);
   write(cached, {"arena_sim.lidar.range_sigma=0.02"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cached.cache), {}), 2);
+}
+
+TEST_F(MissionTest, ARobotsCommandsMoveThePlate) {
+  lcm_io::ReplayHub hub;
+  lcm_io::Bus& node = hub.endpoint();
+  node.subscribe<rubble::stabilizer_t>(lcm_io::channel::kStabilizer, [&](const auto& stabilizer) {
+    rubble::stabilizer_command_t command{};
+    command.utime = stabilizer.utime;
+    command.valid_until_utime = stabilizer.utime + 100'000;
+    command.roll = 0.1;
+    command.pitch = -0.05;
+    node.publish(lcm_io::channel::kStabilizerCommand, command);
+  });
+  std::optional<rubble::stabilizer_command_t> commanded;
+  hub.endpoint().subscribe<rubble::stabilizer_command_t>(lcm_io::channel::kStabilizerCommand,
+                                                         [&](const auto& command) { commanded = command; });
+  MissionOptions closed = options(1);
+  closed.cache = folder_.path() / "cache";
+  closed.make_robot = [&](const std::filesystem::path& robot_yaml) {
+    EXPECT_TRUE(std::filesystem::exists(robot_yaml));
+    return [&](const lcm_io::RawMessage& message) {
+      hub.feed(message);
+      return std::exchange(commanded, std::nullopt);
+    };
+  };
+  const auto out = write(closed);
+  EXPECT_FALSE(std::filesystem::exists(closed.cache));
+  const Channels channels = readByChannel(out / "mission.lcm");
+  EXPECT_FALSE(channels.contains("STABILIZER_COMMAND")) << "the log holds sources";
+  const auto& reports = channels.at("STABILIZER");
+  for (std::size_t i = 50; i < reports.size(); ++i) {
+    const auto stabilizer = lcm_io::decode<rubble::stabilizer_t>(reports[i].data);
+    ASSERT_NEAR(stabilizer.roll, 0.1, 0.005) << i;
+    ASSERT_NEAR(stabilizer.pitch, -0.05, 0.005) << i;
+    ASSERT_GT(stabilizer.command_utime, stabilizer.utime - 50'000) << i;
+  }
 }
 
 TEST_F(MissionTest, BadInputIsNamed) {

@@ -52,6 +52,7 @@ TEST(CommandTest, EveryCommandHasHelpWithAnExample) {
                                                           {"eval", "relations"},
                                                           {"eval", "map"},
                                                           {"arena"},
+                                                          {"experiment"},
                                                           {"doctor"},
                                                           {"spy"}};
   for (std::vector<std::string> command : commands) {

@@ -1,11 +1,12 @@
 #include <CLI/CLI.hpp>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "arena_sim/mission.h"
+#include "closed_loop.h"
 #include "command.h"
 #include "common/error.h"
 #include "progress.h"
@@ -26,20 +27,7 @@ struct ArenaOptions {
   std::vector<std::string> overrides;
 };
 
-/// As the XDG base directory specification has it; empty when there is no home.
-std::filesystem::path cacheFolder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
-    return std::filesystem::path(cache) / "rubble" / "arena";
-  }
-  const char* home = std::getenv("HOME");
-  return home != nullptr && *home != '\0' ? std::filesystem::path(home) / ".cache" / "rubble" / "arena" : "";
-}
-
 void runArena(const ArenaOptions& options) {
-  if (options.closed_loop) {
-    throw common::Error(
-        "--closed-loop needs a fusion that levels the plate, which this version does not have yet");
-  }
   common::Config config;
   for (const std::string& file : options.config_files) {
     config.addFile(file);
@@ -54,12 +42,24 @@ void runArena(const ArenaOptions& options) {
   mission.with_camera = !options.without_camera;
   mission.with_odometry = !options.without_odometry;
   if (!options.without_cache) {
-    mission.cache = cacheFolder();
+    mission.cache = arena_sim::userCache();
+  }
+  std::optional<ClosedLoop> loop;
+  if (options.closed_loop) {
+    mission.make_robot = [&](const std::filesystem::path& robot_yaml) {
+      common::Config with_calibration = config;
+      with_calibration.addFile(robot_yaml);
+      loop.emplace(with_calibration);
+      return [&](const lcm_io::RawMessage& message) { return loop->handle(message); };
+    };
   }
   constexpr std::int64_t kSteps = 1000;
   Progress progress("arena", kSteps);
   mission.progress = [&](double share) { progress.update(static_cast<std::int64_t>(share * kSteps)); };
   arena_sim::writeMission(mission, config, options.out);
+  if (loop) {
+    loop->write(std::filesystem::path(options.out) / "results");
+  }
 }
 
 }  // namespace
@@ -84,10 +84,13 @@ void addArenaCommand(CLI::App& app) {
   command->add_flag("--without-odometry", options->without_odometry, "Leave ODOMETRY out of the log");
   command->add_flag("--no-cache", options->without_cache,
                     "Neither take the mission from ~/.cache/rubble/arena nor keep it there");
-  command->add_flag("--closed-loop", options->closed_loop,
-                    "Arena and processes in lockstep: the fused attitude levels the plate (needs fusion)");
+  command->add_flag(
+      "--closed-loop", options->closed_loop,
+      "Arena and processes in lockstep: the fused attitude levels the plate; what the processes make of "
+      "the mission goes to results/; never cached");
   command
-      ->add_option("--config", options->config_files, "YAML with sections robot, arena_sim; later files win")
+      ->add_option("--config", options->config_files,
+                   "YAML with sections robot, arena_sim (closed loop: fusion ... too); later files win")
       ->allow_extra_args(false);
   command->add_option("--set", options->overrides, "One value, e.g. --set arena_sim.lidar.range_sigma=0.03")
       ->allow_extra_args(false);

@@ -14,6 +14,7 @@ void addReplayCommand(CLI::App& app);
 void addPlayCommand(CLI::App& app);
 void addEvalCommand(CLI::App& app);
 void addArenaCommand(CLI::App& app);
+void addExperimentCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);
 void addSpyCommand(CLI::App& app);
 

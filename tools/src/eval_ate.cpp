@@ -101,6 +101,15 @@ Similarity alignAtStart(const Pair& first) {
   return similarity;
 }
 
+/// Angle between the world's vertical as the two poses see it, rad.
+double attitudeError(const Pose3& a, const Pose3& b) {
+  const Eigen::Vector3d up_a = a.linear().row(2);
+  const Eigen::Vector3d up_b = b.linear().row(2);
+  return std::atan2(up_a.cross(up_b).norm(), up_a.dot(up_b));
+}
+
+}  // namespace
+
 double trackedShare(const Trajectory& estimate, const Trajectory& truth) {
   std::vector<Utime> intervals;
   for (std::size_t i = 1; i < estimate.size(); ++i) {
@@ -120,15 +129,6 @@ double trackedShare(const Trajectory& estimate, const Trajectory& truth) {
   });
   return static_cast<double>(tracked) / static_cast<double>(truth.size());
 }
-
-/// Angle between the world's vertical as the two poses see it, rad.
-double attitudeError(const Pose3& a, const Pose3& b) {
-  const Eigen::Vector3d up_a = a.linear().row(2);
-  const Eigen::Vector3d up_b = b.linear().row(2);
-  return std::atan2(up_a.cross(up_b).norm(), up_a.dot(up_b));
-}
-
-}  // namespace
 
 AteResult evaluateAte(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,
                       double max_gap) {

@@ -5,6 +5,10 @@
 
 namespace rubble::tools {
 
+/// Share of the truth's poses near which (3/4 of the estimate's usual interval, its 10 % quantile) there is
+/// an estimate. With truth at the pictures' stamps: the share of pictures that got a pose.
+double trackedShare(const common::Trajectory& estimate, const common::Trajectory& truth);
+
 /// How the estimate may be moved onto the truth before the two are compared.
 enum class Alignment {
   kSim3,   // rotation, translation and scale that fit best (Umeyama 1991)
@@ -16,10 +20,8 @@ struct AteResult {
   int poses = 0;    // of the estimate
   int matched = 0;  // of these, with truth at their time
   int truth_poses = 0;
-  /// Share of the truth's poses near which (3/4 of the estimate's usual interval, its 10 % quantile) there is
-  /// an estimate. With truth at the pictures' stamps: the share of pictures that got a pose.
-  double tracked_share = 0.0;
-  double scale = 1.0;  // of the alignment
+  double tracked_share = 0.0;  // trackedShare()
+  double scale = 1.0;          // of the alignment
   Statistics translation_m;
   double z_rmse_m = 0.0;
   double attitude_rmse_deg = 0.0;  // angle between the two verticals: roll and pitch without yaw

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   addPlayCommand(app);
   addEvalCommand(app);
   addArenaCommand(app);
+  addExperimentCommand(app);
   addDoctorCommand(app);
   addSpyCommand(app);
   try {

@@ -7,22 +7,13 @@
 
 namespace rubble::tools {
 
-namespace {
-
-bool isSource(const std::string& channel) {
-  const lcm_io::ChannelInfo* info = lcm_io::findChannel(channel);
-  return info != nullptr && info->channel_class == lcm_io::ChannelClass::kSource;
-}
-
-}  // namespace
-
 PlayResult playLog(const std::filesystem::path& log, double speed, const PlaySink& sink) {
   using std::chrono::steady_clock;
   PlayResult result;
   const steady_clock::time_point start = steady_clock::now();
   std::optional<common::Utime> first_utime;
   forEachEvent(log, "playing", [&](lcm_io::LogEvent& event) {
-    if (!isSource(event.channel)) {
+    if (!lcm_io::isSource(event.channel)) {
       ++result.held_back;
       return true;
     }

@@ -50,6 +50,9 @@ std::span<const ChannelInfo> channelTable();
 /// Null for a channel that is not in the table.
 const ChannelInfo* findChannel(std::string_view name);
 
+/// Whether the channel is in the table as a source.
+bool isSource(std::string_view channel);
+
 std::string_view toString(ChannelClass channel_class);
 
 }  // namespace rubble::lcm_io

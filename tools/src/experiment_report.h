@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace rubble::tools {
+
+/// One way to run the robot's processes on a mission.
+struct Method {
+  const char* name;   // of its folder
+  const char* title;  // in the report
+  bool with_fusion;
+  const char* mode;  // fusion.mode
+};
+
+inline constexpr std::array kMethods = {Method{"grid", "grid SLAM alone", false, "lsm"},
+                                        Method{"lsm", "lsm", true, "lsm"},
+                                        Method{"lsm-robust", "lsm-robust", true, "lsm-robust"}};
+
+/// Against the truth, aligned at the start; the worst values until it is known better.
+struct Score {
+  double ate_rmse_m = std::numeric_limits<double>::infinity();
+  double z_rmse_m = std::numeric_limits<double>::infinity();
+  double attitude_rmse_deg = std::numeric_limits<double>::infinity();
+  double coverage = 0.0;  // share of the pictures with a pose
+  double map_precision = 0.0;
+  double map_recall = 0.0;
+};
+
+struct SeedScores {
+  std::uint64_t seed = 0;
+  std::array<Score, kMethods.size()> scores;  // of kMethods
+};
+
+/// Markdown: a table of every seed, median and what 90 % of the seeds reach, and the maps beside the true
+/// one. `title`: what was run. At least one seed.
+std::string experimentReport(const std::string& title, const std::vector<SeedScores>& seeds);
+
+}  // namespace rubble::tools
