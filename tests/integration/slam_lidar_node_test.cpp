@@ -227,6 +227,30 @@ TEST_F(SlamLidarNodeTest, StateMNeitherMatchesNorWritesAndForgetsWhatWasNotConfi
   EXPECT_EQ(mapRevision(), revision) << "R matches but writes nothing, and M's end commits nothing";
 }
 
+TEST_F(SlamLidarNodeTest, InMThePoseFollowsTheFusedMotionAndIsFoundAgainInR) {
+  control(rubble::lidar_control_t::STATE_H);
+  walk(30);
+  control(rubble::lidar_control_t::STATE_H, now_);
+  walk(1);
+  control(rubble::lidar_control_t::STATE_M, now_);
+  // The fused pose lies elsewhere in its own world: only how it moves counts.
+  const Pose2 T_elsewhere{40.0, -7.0, 0.0};
+  for (int i = 0; i < 20; ++i) {
+    rubble::robot_pose_t pose{};
+    pose.utime = now_ + kScanPeriod;
+    const common::Pose3 T = common::pose3FromPose2(T_elsewhere * T_world_lidar_ * Pose2{0.04, 0.0, 0.02});
+    lcm_io::poseToMessage(T, pose.p_world_body, pose.q_world_body);
+    feed(lcm_io::channel::kRobotPose, pose);
+    walk(1);
+  }
+  EXPECT_EQ(poses_.back().status, lidar_pose_t::STATUS_UNMATCHED);
+  EXPECT_LT(error(), 2 * kOneCell);
+  control(rubble::lidar_control_t::STATE_R, now_);
+  walk(10);
+  EXPECT_EQ(poses_.back().status, lidar_pose_t::STATUS_GOOD);
+  EXPECT_LT(error(), kOneCell);
+}
+
 TEST_F(SlamLidarNodeTest, SilenceOfControlStopsWriting) {
   control(rubble::lidar_control_t::STATE_H, std::numeric_limits<std::int64_t>::max());
   walk(30);

@@ -136,6 +136,23 @@ TEST(GridSlam, IgnoredAndMatchOnlyScansWriteNothing) {
   EXPECT_EQ(slam.mapRevision(), revision);
 }
 
+TEST(GridSlam, TiltedScansAreMatchedButNotWritten) {
+  const SyntheticRoom room;
+  GridSlam slam{GridSlamConfig{}};
+  drive(slam, room, {}, 0, 20);
+  const auto revision = slam.mapRevision();
+  const auto poses = syntheticDrive(60);
+  for (int i = 20; i < 60; ++i) {
+    const auto ranges = room.scan(poses[static_cast<std::size_t>(i)]);
+    ScanInput input = SyntheticRoom::input((i + 1) * kPeriod, ranges);
+    input.attitude_first = {0.03, 0.03};  // 2.4 degrees together.
+    const ScanResult result = slam.addScan(input);
+    EXPECT_TRUE(result.matched);
+    EXPECT_FALSE(result.written || result.pending);
+  }
+  EXPECT_EQ(slam.mapRevision(), revision);
+}
+
 TEST(GridSlam, AKidnappedRobotIsLostWritesNothingAndIsFoundAgain) {
   const SyntheticRoom room;
   GridSlam slam{GridSlamConfig{}};
