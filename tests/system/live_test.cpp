@@ -178,50 +178,103 @@ TEST_F(LiveTest, MonocularSlamFollowsTheCameraAndTheConsolesLogHoldsItsPath) {
   EXPECT_LT(json.at("translation_rmse_m").get<double>(), 0.02) << ate.output;
 }
 
-/// With pictures: vision, LiDAR and fusion at once, live against replay.
-TEST_F(LiveTest, FusedPathIsReplays) {
-  RUBBLE_NEEDS_MULTICAST();
-  const auto made = test::shell(kBin +
-                                "rubble arena --mission flat --seed 1 --duration 20 --no-cache --set "
-                                "arena_sim.camera.samples=1 --out " +
-                                path("seen"));
-  ASSERT_EQ(made.status, 0) << made.output;
-  const auto replayed =
-      test::shell(kBin + "rubble replay " + path("seen/mission.lcm") + " --out " + path("seen_replayed"));
-  ASSERT_EQ(replayed.status, 0) << replayed.output;
+/// With pictures: vision, LiDAR and fusion at once.
+class LiveFusionTest : public LiveTest {
+ protected:
+  static void SetUpTestSuite() {
+    dir_ = std::make_unique<test::TempDir>();
+    const auto made = test::shell(kBin +
+                                  "rubble arena --mission flat --seed 1 --duration 20 --no-cache --set "
+                                  "arena_sim.camera.samples=1 --out " +
+                                  path("mission"));
+    ASSERT_EQ(made.status, 0) << made.output;
+    const auto replayed =
+        test::shell(kBin + "rubble replay " + path("mission/mission.lcm") + " --out " + path("replayed"));
+    ASSERT_EQ(replayed.status, 0) << replayed.output;
+  }
 
+  /// How the fused path that the console logged differs from replay's.
+  struct Difference {
+    std::size_t reference = 0;
+    std::size_t compared = 0;
+    std::size_t apart = 0;  // By more than 3 cm or 0.5 degrees.
+    double largest = 0.0;   // m
+    double last = 0.0;      // m, at the end
+  };
+  static Difference differenceFromReplay(const std::string& log_dir) {
+    const auto exported =
+        test::shell(kBin + "rubble export results " + onlyLog(log_dir) + " --out " + path(log_dir + "_out"));
+    EXPECT_EQ(exported.status, 0) << exported.output;
+    const common::Trajectory live = common::readTum(path(log_dir + "_out/trajectory_fused.tum"));
+    const common::Trajectory reference = common::readTum(path("replayed/trajectory_fused.tum"));
+    Difference difference;
+    difference.reference = reference.size();
+    for (const common::StampedPose& pose : live) {
+      const auto same = std::find_if(reference.begin(), reference.end(),
+                                     [&](const common::StampedPose& r) { return r.utime == pose.utime; });
+      if (same != reference.end()) {
+        const common::Pose3 T = same->T_a_b.inverse() * pose.T_a_b;
+        ++difference.compared;
+        difference.last = T.translation().norm();
+        difference.largest = std::max(difference.largest, difference.last);
+        difference.apart +=
+            difference.last > 0.03 || Eigen::AngleAxisd(T.linear()).angle() > 0.5 * M_PI / 180.0 ? 1 : 0;
+      }
+    }
+    return difference;
+  }
+};
+
+TEST_F(LiveFusionTest, FusedPathIsReplays) {
+  RUBBLE_NEEDS_MULTICAST();
   const auto console = startConsole("log_seen");
   std::vector<std::unique_ptr<test::ChildProcess>> processes;
   for (const char* program : {"rubble-slam-lidar", "rubble-slam-mono", "rubble-fusion"}) {
     processes.push_back(start(program));
   }
-  const auto played = play(path("seen/mission.lcm"), "slam_lidar,ops_console,slam_mono,fusion");
+  const auto played = play(path("mission/mission.lcm"), "slam_lidar,ops_console,slam_mono,fusion");
   ASSERT_EQ(played.status, 0) << played.output;
   for (const auto& process : processes) {
     EXPECT_EQ(terminate(*process), 0);
   }
   EXPECT_EQ(terminate(*console), 0);
-  const auto exported =
-      test::shell(kBin + "rubble export results " + onlyLog("log_seen") + " --out " + path("seen_live"));
-  ASSERT_EQ(exported.status, 0) << exported.output;
 
-  const common::Trajectory live = common::readTum(path("seen_live/trajectory_fused.tum"));
-  const common::Trajectory reference = common::readTum(path("seen_replayed/trajectory_fused.tum"));
-  std::size_t compared = 0;
-  std::size_t apart = 0;
-  for (const common::StampedPose& pose : live) {
-    const auto same = std::find_if(reference.begin(), reference.end(),
-                                   [&](const common::StampedPose& r) { return r.utime == pose.utime; });
-    if (same != reference.end()) {
-      ++compared;
-      const common::Pose3 T = same->T_a_b.inverse() * pose.T_a_b;
-      EXPECT_LT(T.translation().norm(), 0.1) << "at " << pose.utime;
-      apart += T.translation().norm() > 0.03 || Eigen::AngleAxisd(T.linear()).angle() > 0.5 * M_PI / 180.0;
-    }
-  }
-  EXPECT_GT(compared, reference.size() * 95 / 100);
+  const Difference difference = differenceFromReplay("log_seen");
+  EXPECT_GT(difference.compared, difference.reference * 95 / 100);
   // Which scan is the last before a picture is chance, and in the first second the LiDAR's map is one scan.
-  EXPECT_LE(apart, compared / 50);
+  EXPECT_LE(difference.apart, difference.compared / 50);
+  EXPECT_LT(difference.largest, 0.1);
+}
+
+TEST_F(LiveFusionTest, KilledFusionComesBackToItsWorld) {
+  RUBBLE_NEEDS_MULTICAST();
+  const auto console = startConsole("log_killed_fusion");
+  const std::filesystem::path checkpoint = path("state/fusion.checkpoint");
+  const std::vector<std::string> state = {"--state-dir", path("state"), "--set",
+                                          "fusion.checkpoint_period=1.0"};
+  std::vector<std::unique_ptr<test::ChildProcess>> others;
+  others.push_back(start("rubble-slam-lidar"));
+  others.push_back(start("rubble-slam-mono"));
+  auto fusion = start("rubble-fusion", state);
+  test::ChildProcess player({kBin + "rubble", "play", path("mission/mission.lcm"), "--lcm-url", url_,
+                             "--wait-for", "slam_lidar,ops_console,slam_mono,fusion"});
+  ASSERT_TRUE(test::waitUntil([&] { return std::filesystem::exists(checkpoint); }));
+  const auto first = std::filesystem::last_write_time(checkpoint);
+  ASSERT_TRUE(test::waitUntil(
+      [&] { return std::filesystem::last_write_time(checkpoint) - first >= std::chrono::seconds(9); }));
+  fusion->signal(SIGKILL);
+  EXPECT_EQ(fusion->wait(), 128 + SIGKILL);
+  fusion = start("rubble-fusion", state);
+  EXPECT_EQ(player.wait(std::chrono::seconds(60)), 0);
+  EXPECT_EQ(terminate(*fusion), 0);
+  for (const auto& process : others) {
+    EXPECT_EQ(terminate(*process), 0);
+  }
+  EXPECT_EQ(terminate(*console), 0);
+  const Difference difference = differenceFromReplay("log_killed_fusion");
+  EXPECT_GT(difference.compared, difference.reference * 85 / 100)
+      << "a restart takes less than a second or two";
+  EXPECT_LT(difference.last, 0.05);
 }
 
 }  // namespace
