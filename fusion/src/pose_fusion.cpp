@@ -17,8 +17,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr Utime kTrackSpan = common::kMicrosecondsPerSecond;
-/// Span over which velocities are taken.
+/// Span over which the LiDAR's velocity at a sample is taken.
 constexpr Utime kVelocitySpan = common::kMicrosecondsPerSecond / 10;
 /// Scans that wait for vision: one second.
 constexpr std::size_t kMostWaiting = 40;
@@ -104,10 +103,10 @@ std::optional<MapAlignment> PoseFusion::alignment() const {
 }
 
 Pose3 PoseFusion::extrapolate(Utime utime) const {
-  if (tracks_.empty()) {
+  if (path_.empty()) {
     return robot_.T_body_camera();  // The robot starts level at the origin of world.
   }
-  const Track& last = tracks_.back();
+  const Track& last = path_.last();
   const double dt = common::secondsFromUtime(utime - last.utime);
   if (!visionCarries()) {
     // Without anything that sees motion the robot is taken to stand.
@@ -117,15 +116,13 @@ Pose3 PoseFusion::extrapolate(Utime utime) const {
                                           last.T_world_camera
                                     : last.T_world_camera;
   }
-  const auto earlier = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& track) {
-    return last.utime - track.utime <= kVelocitySpan;
-  });
-  if (earlier->utime == last.utime) {
+  const Track& earlier = path_.shortlyBefore();
+  if (earlier.utime == last.utime) {
     return last.T_world_camera;
   }
   const double fraction =
-      static_cast<double>(utime - earlier->utime) / static_cast<double>(last.utime - earlier->utime);
-  return common::blend(earlier->T_world_camera, last.T_world_camera, fraction);
+      static_cast<double>(utime - earlier.utime) / static_cast<double>(last.utime - earlier.utime);
+  return common::blend(earlier.T_world_camera, last.T_world_camera, fraction);
 }
 
 Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
@@ -143,7 +140,7 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
   }
   const MapAlignment& alignment = known->second;
   const Pose3 T_aligned = alignment.S_world_mono * mono.T_mono_camera;
-  const Track* last = tracks_.empty() ? nullptr : &tracks_.back();
+  const Track* last = path_.empty() ? nullptr : &path_.last();
   const bool goes_on = last != nullptr && last->tracking && last->map_id == mono.map_id &&
                        last->map_revision == mono.map_revision;
   if (goes_on) {
@@ -175,16 +172,15 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
   return T;
 }
 
-RobotState PoseFusion::stateOf(const Track& track) const {
+RobotState PoseFusion::state() const {
+  const Track& track = path_.last();
   RobotState state;
   state.utime = track.utime;
   state.T_world_body = track.T_world_camera * T_camera_body_;
   state.attitude_known = attitude_known_;
-  const auto earlier = std::find_if(tracks_.begin(), tracks_.end(),
-                                    [&](const Track& t) { return track.utime - t.utime <= kVelocitySpan; });
-  if (earlier != tracks_.end() && earlier->utime < track.utime) {
-    const Pose3 T_world_before = earlier->T_world_camera * T_camera_body_;
-    const double dt = common::secondsFromUtime(track.utime - earlier->utime);
+  if (const Track& earlier = path_.shortlyBefore(); earlier.utime < track.utime) {
+    const Pose3 T_world_before = earlier.T_world_camera * T_camera_body_;
+    const double dt = common::secondsFromUtime(track.utime - earlier.utime);
     state.v_world_body = (state.T_world_body.translation() - T_world_before.translation()) / dt;
     state.w_body = rotationVector(T_world_before.linear().transpose() * state.T_world_body.linear()) / dt;
   }
@@ -202,27 +198,24 @@ RobotState PoseFusion::stateOf(const Track& track) const {
 }
 
 RobotState PoseFusion::addTrack(const Track& track) {
-  if (!tracks_.empty()) {
-    const Track& last = tracks_.back();
+  if (!path_.empty()) {
+    const Track& last = path_.last();
     const double dt = common::secondsFromUtime(track.utime - last.utime);
     const double way = (track.T_world_camera.translation() - last.T_world_camera.translation()).norm();
     drift_ += visionCarries() && track.tracking ? kDrift * way : kBlindDrift * dt;
     time_without_vision_ = track.tracking ? 0.0 : time_without_vision_ + dt;
   }
-  tracks_.push_back(track);
-  while (track.utime - tracks_.front().utime > kTrackSpan) {
-    tracks_.pop_front();
-  }
+  path_.add(track);
   watchAttitude();
   useWaiting();
-  const Pose3 T_world_lidar = tracks_.back().T_world_camera * T_camera_lidar(track.utime);
+  const Pose3 T_world_lidar = path_.last().T_world_camera * T_camera_lidar(track.utime);
   plane_.addPlane(track.utime, T_world_lidar.translation().z() - robot_.lidarHeight(),
                   tiltOf(T_world_lidar.linear()), attitude_known_);
-  return stateOf(tracks_.back());
+  return state();
 }
 
 void PoseFusion::watchAttitude() {
-  const Track& track = tracks_.back();
+  const Track& track = path_.last();
   const Matrix3d R_world_body = track.T_world_camera.linear() * T_camera_body_.linear();
   if (track.tracking || time_without_vision_ <= common::secondsFromUtime(kSilence)) {
     return;
@@ -235,20 +228,19 @@ void PoseFusion::watchAttitude() {
   }
   if (!attitude_known_ && time_without_vision_ > kForgetTilt) {
     const Matrix3d level = common::rotationFromRpy({0.0, 0.0, common::rpyFromRotation(R_world_body).yaw});
-    correct(motionAbout(track.T_world_camera.translation(), rotationVector(level * R_world_body.transpose()),
-                        Vector3d::Zero()));
+    path_.correct(motionAbout(track.T_world_camera.translation(),
+                              rotationVector(level * R_world_body.transpose()), Vector3d::Zero()));
   }
 }
 
 RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
   // A picture that was under way is worth more than states without one.
-  while (!tracks_.empty() && mono.utime <= tracks_.back().utime && !tracks_.back().tracking &&
-         mono.tracking) {
-    tracks_.pop_back();
+  while (!path_.empty() && mono.utime <= path_.last().utime && !path_.last().tracking && mono.tracking) {
+    path_.dropLast();
   }
-  if (!tracks_.empty() && mono.utime <= tracks_.back().utime) {
+  if (!path_.empty() && mono.utime <= path_.last().utime) {
     throw common::Error(fmt::format("picture at {} us is not newer than the last state, {} us", mono.utime,
-                                    tracks_.back().utime));
+                                    path_.last().utime));
   }
   if (mono.tracking) {
     map_id_ = mono.map_id;
@@ -259,30 +251,6 @@ RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
 }
 
 RobotState PoseFusion::advance(Utime utime) { return addMono({utime, false, map_id_, map_revision_, {}}); }
-
-std::optional<Pose3> PoseFusion::cameraAt(Utime utime) const {
-  const auto after = std::lower_bound(tracks_.begin(), tracks_.end(), utime,
-                                      [](const Track& track, Utime t) { return track.utime < t; });
-  if (after == tracks_.end()) {
-    return std::nullopt;
-  }
-  if (after->utime == utime) {
-    return after->T_world_camera;
-  }
-  if (after == tracks_.begin()) {
-    return std::nullopt;
-  }
-  const auto before = std::prev(after);
-  return common::blend(
-      before->T_world_camera, after->T_world_camera,
-      static_cast<double>(utime - before->utime) / static_cast<double>(after->utime - before->utime));
-}
-
-void PoseFusion::correct(const Pose3& T) {
-  for (Track& track : tracks_) {
-    track.T_world_camera = T * track.T_world_camera;
-  }
-}
 
 bool PoseFusion::visionCarries() const {
   const auto known = maps_.find(map_id_);
@@ -312,7 +280,7 @@ void PoseFusion::addLidar(const LidarMeasurement& lidar) {
 }
 
 void PoseFusion::useWaiting() {
-  while (!waiting_.empty() && !tracks_.empty() && waiting_.front().utime <= tracks_.back().utime) {
+  while (!waiting_.empty() && !path_.empty() && waiting_.front().utime <= path_.last().utime) {
     const LidarMeasurement lidar = waiting_.front();
     waiting_.pop_front();
     useLidar(lidar);
@@ -320,7 +288,7 @@ void PoseFusion::useWaiting() {
 }
 
 void PoseFusion::useLidar(const LidarMeasurement& lidar) {
-  const auto T_world_camera = cameraAt(lidar.utime);
+  const auto T_world_camera = path_.at(lidar.utime);
   const bool current = lidar.revision < 0 || lidar.revision == plane_.revision();
   if (!T_world_camera || !current || plane_.state() == ControlState::kM) {
     return;
@@ -356,8 +324,8 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
     return;
   }
   const double gain = visionCarries() && !returned && anchored_ ? config_.lidar_gain : 1.0;
-  correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
-                      {gain * shift.x(), gain * shift.y(), 0.0}));
+  path_.correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
+                            {gain * shift.x(), gain * shift.y(), 0.0}));
   noteVelocity(lidar);
   anchored_ = true;
   drift_ = attitude_known_ ? 0.0 : drift_;
@@ -410,9 +378,9 @@ void PoseFusion::solve(const common::KeyframePoses& keyframes) {
 }
 
 void PoseFusion::goToAlignment() {
-  const Track& track = tracks_.back();
+  const Track& track = path_.last();
   if (visionTracks() && track.map_id == map_id_ && track.map_revision == map_revision_) {
-    correct(maps_.at(map_id_).S_world_mono * track.T_mono_camera * track.T_world_camera.inverse());
+    path_.correct(maps_.at(map_id_).S_world_mono * track.T_mono_camera * track.T_world_camera.inverse());
   }
 }
 
@@ -420,7 +388,7 @@ void PoseFusion::pullToAlignment() {
   if (!visionTracks()) {
     return;
   }
-  const Track& track = tracks_.back();
+  const Track& track = path_.last();
   if (track.map_id != map_id_ || track.map_revision != map_revision_) {
     return;
   }
@@ -429,13 +397,13 @@ void PoseFusion::pullToAlignment() {
   Vector3d turn = gain * rotationVector(T_aligned.linear() * track.T_world_camera.linear().transpose());
   turn.z() = 0.0;
   const double height = T_aligned.translation().z() - track.T_world_camera.translation().z();
-  correct(motionAbout(track.T_world_camera.translation(), turn, {0.0, 0.0, gain * height}));
+  path_.correct(motionAbout(track.T_world_camera.translation(), turn, {0.0, 0.0, gain * height}));
 }
 
 FusionMemory PoseFusion::memory() const {
   FusionMemory memory;
-  if (!tracks_.empty()) {
-    memory.last = tracks_.back();
+  if (!path_.empty()) {
+    memory.last = path_.last();
   }
   memory.state = plane_.state();
   memory.revision = plane_.revision();
@@ -445,7 +413,7 @@ FusionMemory PoseFusion::memory() const {
 }
 
 void PoseFusion::restore(const FusionMemory& memory) {
-  tracks_ = {memory.last};
+  path_.add(memory.last);
   map_id_ = memory.last.map_id;
   map_revision_ = memory.last.map_revision;
   // A revision of its own: whoever heard the last one learns that something has changed.
@@ -456,20 +424,19 @@ void PoseFusion::restore(const FusionMemory& memory) {
 }
 
 PlateAngles PoseFusion::levelling(Utime utime) const {
-  if (tracks_.empty()) {
+  if (path_.empty()) {
     return {};
   }
   const auto attitude = [&](std::size_t age) -> Matrix3d {
-    return tracks_[tracks_.size() - 1 - age].T_world_camera.linear() * T_camera_body_.linear();
+    return path_.ago(age).T_world_camera.linear() * T_camera_body_.linear();
   };
   const auto rate = [&](std::size_t age) -> Vector3d {
-    const Utime dt = tracks_[tracks_.size() - 1 - age].utime - tracks_[tracks_.size() - 2 - age].utime;
+    const Utime dt = path_.ago(age).utime - path_.ago(age + 1).utime;
     return rotationVector(attitude(age + 1).transpose() * attitude(age)) / common::secondsFromUtime(dt);
   };
   Matrix3d R = attitude(0);
-  if (tracks_.size() >= 3) {
-    const double ahead =
-        std::min(common::secondsFromUtime(utime - tracks_.back().utime), kFarthestPrediction);
+  if (path_.size() >= 3) {
+    const double ahead = std::min(common::secondsFromUtime(utime - path_.last().utime), kFarthestPrediction);
     const Vector3d turn = ahead * (kSwingLast * rate(0) - kSwingBefore * rate(1));
     R = R * motionAbout(Vector3d::Zero(), turn, Vector3d::Zero()).linear();
   }

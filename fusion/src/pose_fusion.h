@@ -15,6 +15,7 @@
 #include "fusion_config.h"
 #include "fusion_memory.h"
 #include "levelling.h"
+#include "recent_path.h"
 
 namespace rubble::fusion {
 
@@ -74,7 +75,7 @@ class PoseFusion {
   std::int64_t mapRevision() const { return map_revision_; }
   /// Of the present monocular map; empty before its first picture.
   std::optional<MapAlignment> alignment() const;
-  bool visionTracks() const { return !tracks_.empty() && tracks_.back().tracking; }
+  bool visionTracks() const { return !path_.empty() && path_.last().tracking; }
   bool lidarMatches(common::Utime now) const;
   /// What contradicts the calibration, in words; empty when nothing does.
   std::string complaint() const { return window_.complaint(); }
@@ -91,15 +92,12 @@ class PoseFusion {
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
   common::Pose3 T_camera_lidar(common::Utime utime) const;
-  std::optional<common::Pose3> cameraAt(common::Utime utime) const;
   RobotState addTrack(const Track& track);
   /// Without vision the attitude stays known on level ground only.
   void watchAttitude();
-  RobotState stateOf(const Track& track) const;
+  RobotState state() const;
   /// Vision tells how far the robot moves.
   bool visionCarries() const;
-  /// Moves the recent past by T (world, from the left).
-  void correct(const common::Pose3& T);
   void addSamples(std::span<const common::AnchoredPose> pictures);
   void solve(const common::KeyframePoses& keyframes);
   /// In H: a share of height and tilt.
@@ -119,7 +117,7 @@ class PoseFusion {
   common::Pose2 T_world_lidar_last_;
   Eigen::Vector3d lidar_velocity_ = Eigen::Vector3d::Zero();  // x, y m/s, heading rad/s in world
   Eigen::Matrix3d lidar_covariance_ = Eigen::Matrix3d::Identity();
-  std::deque<Track> tracks_;
+  RecentPath path_;
   AlignmentWindow window_;
   std::map<std::int32_t, MapAlignment> maps_;
   std::int32_t map_id_ = 0;
