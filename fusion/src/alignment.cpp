@@ -1,10 +1,11 @@
 #include "alignment.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <vector>
+
+#include "rotation_vector.h"
 
 namespace rubble::fusion {
 
@@ -23,11 +24,6 @@ Matrix3d skew(const Vector3d& v) {
   Matrix3d m;
   m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
   return m;
-}
-
-Matrix3d rotationFromVector(const Vector3d& v) {
-  const double angle = v.norm();
-  return angle < 1e-12 ? Matrix3d::Identity() : Eigen::AngleAxisd(angle, v / angle).toRotationMatrix();
 }
 
 }  // namespace
@@ -72,11 +68,21 @@ SampleResidual alignmentResidual(const AlignmentSample& sample, const Pose3& T_c
   return r;
 }
 
-double robustWeight(int row, double deviation) {
-  if (row < 3) {
-    return deviation <= 2.0 ? 1.0 : 2.0 / deviation;
+SampleResidual sampleWeights(const SampleResidual& residual, std::size_t samples,
+                             const AlignmentConfig& config) {
+  const std::array<double, 6> sigma = {config.position_sigma, config.position_sigma, config.heading_sigma,
+                                       config.floor_sigma,    config.level_sigma,    config.level_sigma};
+  // Neighbouring samples err together.
+  const double independent = std::min(1.0, 30.0 / static_cast<double>(samples));
+  const auto huber = [](double deviation) { return deviation <= 2.0 ? 1.0 : 2.0 / deviation; };
+  const auto cauchy = [](double deviation) { return 1.0 / (1.0 + deviation * deviation); };
+  SampleResidual weights;
+  for (int row = 0; row < 6; ++row) {
+    const double s = sigma[static_cast<std::size_t>(row)];
+    const double deviation = std::abs(residual(row)) / s;
+    weights(row) = independent * (row < 3 ? huber(deviation) : cauchy(deviation)) / (s * s);
   }
-  return 1.0 / (1.0 + deviation * deviation);
+  return weights;
 }
 
 Similarity perturbed(const Similarity& S, const Vector7& delta) {
@@ -101,11 +107,6 @@ std::optional<Alignment> align(std::span<const AlignmentSample> samples, const P
   for (AlignmentSample& sample : centred) {
     sample.T_mono_camera.translation() -= middle;
   }
-  const std::array<double, 6> sigma = {config.position_sigma, config.position_sigma, config.heading_sigma,
-                                       config.floor_sigma,    config.level_sigma,    config.level_sigma};
-  // Neighbouring samples err together.
-  const double independent = std::min(1.0, 30.0 / static_cast<double>(samples.size()));
-
   Similarity S = prior;
   S.p += prior.scale * (prior.R * middle);
   const Matrix3d R_prior = prior.R;
@@ -116,17 +117,14 @@ std::optional<Alignment> align(std::span<const AlignmentSample> samples, const P
     for (const AlignmentSample& sample : centred) {
       SampleJacobian J;
       const SampleResidual r = alignmentResidual(sample, T_camera_body, S, &J);
+      const SampleResidual weights = sampleWeights(r, samples.size(), config);
       for (int row = 0; row < 6; ++row) {
-        const double s = sigma[static_cast<std::size_t>(row)];
-        const double deviation = std::abs(r(row)) / s;
-        const double weight = independent * robustWeight(row, deviation) / (s * s);
-        H += weight * J.row(row).transpose() * J.row(row);
-        b -= weight * r(row) * J.row(row).transpose();
+        H += weights(row) * J.row(row).transpose() * J.row(row);
+        b -= weights(row) * r(row) * J.row(row).transpose();
       }
     }
     // What the motion does not show stays as it was.
-    const Eigen::AngleAxisd turned(Matrix3d(S.R * R_prior.transpose()));
-    const Vector3d tilt = turned.angle() * turned.axis();
+    const Vector3d tilt = rotationVector(S.R * R_prior.transpose());
     const double tilt_weight = 1.0 / (config.tilt_sigma * config.tilt_sigma);
     for (int axis = 0; axis < 2; ++axis) {
       H(axis, axis) += tilt_weight;

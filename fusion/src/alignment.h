@@ -69,9 +69,10 @@ using SampleResidual = Eigen::Matrix<double, 6, 1>;
 using SampleJacobian = Eigen::Matrix<double, 6, 7>;
 SampleResidual alignmentResidual(const AlignmentSample& sample, const common::Pose3& T_camera_body,
                                  const Similarity& S_world_mono, SampleJacobian* jacobian = nullptr);
-/// Weight of a residual's row, `deviation` in standard deviations: Huber's for what is always meant, Cauchy's
-/// for what holds on flat floor only.
-double robustWeight(int row, double deviation);
+/// Weights of a sample's squared residuals among `samples`: Huber's loss for what is always meant (position,
+/// heading), Cauchy's for what holds on flat floor only.
+SampleResidual sampleWeights(const SampleResidual& residual, std::size_t samples,
+                             const AlignmentConfig& config);
 /// exp(delta) applied from the left, the position's part added.
 Similarity perturbed(const Similarity& S, const Eigen::Matrix<double, 7, 1>& delta);
 

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "rotation_vector.h"
 
 namespace rubble::fusion {
 
@@ -34,11 +34,7 @@ constexpr double kSure = 3.0;  // Standard deviations.
 SampleResidual MountCheck::residual(const AlignmentSample& sample, const Similarity& S,
                                     const Errors& errors) const {
   Pose3 T_body_camera = T_body_camera_;
-  const double angle = errors.head<3>().norm();
-  if (angle > 1e-12) {
-    T_body_camera.linear() =
-        Eigen::AngleAxisd(angle, errors.head<3>() / angle).toRotationMatrix() * T_body_camera.linear();
-  }
+  T_body_camera.linear() = rotationFromVector(errors.head<3>()) * T_body_camera.linear();
   T_body_camera.translation().head<2>() += errors.segment<2>(3);
   const Pose3 T_camera_body = T_body_camera.inverse();
   AlignmentSample corrected = sample;
@@ -52,9 +48,6 @@ SampleResidual MountCheck::residual(const AlignmentSample& sample, const Similar
 
 void MountCheck::addWindow(std::span<const AlignmentSample> samples, const Similarity& S_world_mono,
                            const AlignmentConfig& config) {
-  const std::array<double, 6> sigma = {config.position_sigma, config.position_sigma, config.heading_sigma,
-                                       config.floor_sigma,    config.level_sigma,    config.level_sigma};
-  const double independent = std::min(1.0, 30.0 / static_cast<double>(samples.size()));
   Similarity S = S_world_mono;
   Errors errors = Errors::Zero();
   Matrix13 H;
@@ -70,12 +63,10 @@ void MountCheck::addWindow(std::span<const AlignmentSample> samples, const Simil
         delta(k) = kStep;
         J.col(k) = (residual(sample, perturbed(S, delta.head<7>()), errors + delta.tail<6>()) - r) / kStep;
       }
+      const SampleResidual weights = sampleWeights(r, samples.size(), config);
       for (int row = 0; row < 6; ++row) {
-        const double s = sigma[static_cast<std::size_t>(row)];
-        const double deviation = std::abs(r(row)) / s;
-        const double weight = independent * robustWeight(row, deviation) / (s * s);
-        H += weight * J.row(row).transpose() * J.row(row);
-        b -= weight * r(row) * J.row(row).transpose();
+        H += weights(row) * J.row(row).transpose() * J.row(row);
+        b -= weights(row) * r(row) * J.row(row).transpose();
       }
     }
     const Errors weight = kPrior.cwiseAbs2().cwiseInverse();

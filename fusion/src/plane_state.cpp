@@ -18,12 +18,12 @@ void PlaneState::change(ControlState state) {
   contradicting_ = 0;
 }
 
-bool PlaneState::within(double height, double tilt, double share) const {
-  return std::abs(height) <= share * config_.height_band &&
-         (config_.mode == "lsm" || tilt <= share * config_.largest_tilt);
+bool PlaneState::within(const Plane& plane, double share) const {
+  return std::abs(plane.height) <= share * config_.height_band &&
+         (config_.mode == "lsm" || plane.tilt <= share * config_.largest_tilt);
 }
 
-void PlaneState::addPlane(common::Utime utime, double height, double tilt, bool attitude_known) {
+void PlaneState::addPlane(common::Utime utime, const Plane& plane, bool attitude_known) {
   const bool robust = config_.mode != "lsm";
   const auto longer = [&](common::Utime since, double seconds) {
     return utime - since > (robust ? common::utimeFromSeconds(seconds) : 0);
@@ -32,10 +32,10 @@ void PlaneState::addPlane(common::Utime utime, double height, double tilt, bool 
   if (last_usable_ == 0) {
     last_usable_ = last_unusable_ = utime;
   }
-  if (within(height, tilt, 1.0)) {
+  if (within(plane, 1.0)) {
     last_usable_ = utime;
   }
-  if (!usable(height, tilt)) {
+  if (!usable(plane)) {
     last_unusable_ = utime;
   }
   if (!attitude_known_) {

@@ -21,6 +21,12 @@ struct PlaneStateConfig {
   int contradictions = 12;
 };
 
+/// The LiDAR's plane: height (m) of its origin over where it is on the level's floor, tilt (rad).
+struct Plane {
+  double height = 0.0;
+  double tilt = 0.0;
+};
+
 /// Decides between H (the LiDAR's plane is usable), M (it is not) and R (it is again, to be verified).
 /// Mode `lsm`: eq. 10 of Chen et al. 2017, height alone, at once. Mode `lsm-robust`: height, tilt of the
 /// LiDAR's plane and agreement of the scans, with hysteresis in value and time.
@@ -28,9 +34,9 @@ class PlaneState {
  public:
   explicit PlaneState(const PlaneStateConfig& config) : config_(config) {}
 
-  /// Height (m) of the LiDAR over where it is on the level's floor, tilt (rad) of its plane, at `utime`.
+  /// The plane at `utime`.
   /// An attitude that is not known leads to R.
-  void addPlane(common::Utime utime, double height, double tilt, bool attitude_known);
+  void addPlane(common::Utime utime, const Plane& plane, bool attitude_known);
   enum class Scan { kUnmatched, kContradicts, kAgrees };
   /// A scan handled under the present revision: whether it was matched on a usable plane, and with vision. In
   /// H contradiction leads to M. In R agreement leads to H, and so does a LiDAR that contradicts for long:
@@ -47,10 +53,10 @@ class PlaneState {
   /// Goes on from a checkpoint.
   void restore(ControlState state, std::int64_t revision);
   /// Whether a plane like this may be trusted, with the margin of a return.
-  bool usable(double height, double tilt) const { return within(height, tilt, config_.return_band); }
+  bool usable(const Plane& plane) const { return within(plane, config_.return_band); }
 
  private:
-  bool within(double height, double tilt, double share) const;
+  bool within(const Plane& plane, double share) const;
   void change(ControlState state);
 
   PlaneStateConfig config_;

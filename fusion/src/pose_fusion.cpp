@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "rotation_vector.h"
 
 namespace rubble::fusion {
 
@@ -53,11 +54,6 @@ Pose3 scaled(Pose3 T, double scale) {
   return T;
 }
 
-Vector3d rotationVector(const Matrix3d& R) {
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
-}
-
 double tiltOf(const Matrix3d& R) { return std::acos(std::clamp(R(2, 2), -1.0, 1.0)); }
 
 Pose2 planar(const Pose3& T) {
@@ -67,10 +63,7 @@ Pose2 planar(const Pose3& T) {
 /// Turns about `pivot`, then shifts.
 Pose3 motionAbout(const Vector3d& pivot, const Vector3d& turn, const Vector3d& shift) {
   Pose3 T = Pose3::Identity();
-  const double angle = turn.norm();
-  if (angle > 1e-12) {
-    T.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-  }
+  T.linear() = rotationFromVector(turn);
   T.translation() = pivot - T.linear() * pivot + shift;
   return T;
 }
@@ -93,6 +86,10 @@ Pose3 PoseFusion::T_camera_lidar(Utime utime) const {
     angles = sample ? sample->value : plate_.newest();
   }
   return T_camera_body_ * robot_.T_body_plate(angles.x(), angles.y()) * robot_.lidar.pose();
+}
+
+Plane PoseFusion::planeOf(const Pose3& T_world_lidar) const {
+  return {T_world_lidar.translation().z() - robot_.lidarHeight(), tiltOf(T_world_lidar.linear())};
 }
 
 bool PoseFusion::lidarMatches(Utime now) const { return last_lidar_ > 0 && now - last_lidar_ <= kSilence; }
@@ -208,9 +205,8 @@ RobotState PoseFusion::addTrack(const Track& track) {
   path_.add(track);
   watchAttitude();
   useWaiting();
-  const Pose3 T_world_lidar = path_.last().T_world_camera * T_camera_lidar(track.utime);
-  plane_.addPlane(track.utime, T_world_lidar.translation().z() - robot_.lidarHeight(),
-                  tiltOf(T_world_lidar.linear()), attitude_known_);
+  plane_.addPlane(track.utime, planeOf(path_.last().T_world_camera * T_camera_lidar(track.utime)),
+                  attitude_known_);
   return state();
 }
 
@@ -220,10 +216,8 @@ void PoseFusion::watchAttitude() {
   if (track.tracking || time_without_vision_ <= common::secondsFromUtime(kSilence)) {
     return;
   }
-  const Pose3 T_world_lidar = track.T_world_camera * T_camera_lidar(track.utime);
   if (tiltOf(R_world_body) > kLevelGround || plane_.state() == ControlState::kM ||
-      !plane_.usable(T_world_lidar.translation().z() - robot_.lidarHeight(),
-                     tiltOf(T_world_lidar.linear()))) {
+      !plane_.usable(planeOf(track.T_world_camera * T_camera_lidar(track.utime)))) {
     attitude_known_ = false;
   }
   if (!attitude_known_ && time_without_vision_ > kForgetTilt) {
@@ -294,8 +288,8 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
     return;
   }
   const Pose3 T_predicted = *T_world_camera * T_camera_lidar(lidar.utime);
-  const double tilt = tiltOf(T_predicted.linear());
-  const bool usable = plane_.usable(T_predicted.translation().z() - robot_.lidarHeight(), tilt);
+  const Plane plane = planeOf(T_predicted);
+  const bool usable = plane_.usable(plane);
   const Pose2 predicted = planar(T_predicted);
   const Eigen::Vector2d shift = lidar.T_world_lidar.translation() - predicted.translation();
   const double turn = common::wrapAngle(lidar.T_world_lidar.yaw - predicted.yaw);
@@ -318,7 +312,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
     attitude_known_ = true;
   }
   // An unknown tilt tells nothing about the plane.
-  const bool follows = lidar.good && (usable || (!attitude_known_ && tilt <= kHopelessTilt));
+  const bool follows = lidar.good && (usable || (!attitude_known_ && plane.tilt <= kHopelessTilt));
   if (!follows || plane_.state() == ControlState::kM ||
       (visionCarries() && !returned && (returns || !near))) {
     return;
@@ -368,36 +362,30 @@ void PoseFusion::solve(const common::KeyframePoses& keyframes) {
   }
   if (const auto solved = window_.solve(map_id_, keyframes, map->second)) {
     map->second = *solved;
-    if (plane_.state() == ControlState::kH) {
-      pullToAlignment();
-    } else if (map_revision_ != solved_revision_) {
-      goToAlignment();
+    const Track& last = path_.last();
+    if (last.tracking && last.map_id == map_id_ && last.map_revision == map_revision_) {
+      const Pose3 T_world_camera = solved->S_world_mono * last.T_mono_camera;
+      if (plane_.state() == ControlState::kH) {
+        pullToAlignment(T_world_camera);
+      } else if (map_revision_ != solved_revision_) {
+        goToAlignment(T_world_camera);
+      }
     }
     solved_revision_ = map_revision_;
   }
 }
 
-void PoseFusion::goToAlignment() {
-  const Track& track = path_.last();
-  if (visionTracks() && track.map_id == map_id_ && track.map_revision == map_revision_) {
-    path_.correct(maps_.at(map_id_).S_world_mono * track.T_mono_camera * track.T_world_camera.inverse());
-  }
+void PoseFusion::goToAlignment(const Pose3& T_world_camera) {
+  path_.correct(T_world_camera * path_.last().T_world_camera.inverse());
 }
 
-void PoseFusion::pullToAlignment() {
-  if (!visionTracks()) {
-    return;
-  }
-  const Track& track = path_.last();
-  if (track.map_id != map_id_ || track.map_revision != map_revision_) {
-    return;
-  }
-  const Pose3 T_aligned = maps_.at(map_id_).S_world_mono * track.T_mono_camera;
+void PoseFusion::pullToAlignment(const Pose3& T_world_camera) {
+  const Pose3& T_now = path_.last().T_world_camera;
   const double gain = config_.alignment_gain;
-  Vector3d turn = gain * rotationVector(T_aligned.linear() * track.T_world_camera.linear().transpose());
+  Vector3d turn = gain * rotationVector(T_world_camera.linear() * T_now.linear().transpose());
   turn.z() = 0.0;
-  const double height = T_aligned.translation().z() - track.T_world_camera.translation().z();
-  path_.correct(motionAbout(track.T_world_camera.translation(), turn, {0.0, 0.0, gain * height}));
+  const double height = T_world_camera.translation().z() - T_now.translation().z();
+  path_.correct(motionAbout(T_now.translation(), turn, {0.0, 0.0, gain * height}));
 }
 
 FusionMemory PoseFusion::memory() const {
@@ -437,8 +425,7 @@ PlateAngles PoseFusion::levelling(Utime utime) const {
   Matrix3d R = attitude(0);
   if (path_.size() >= 3) {
     const double ahead = std::min(common::secondsFromUtime(utime - path_.last().utime), kFarthestPrediction);
-    const Vector3d turn = ahead * (kSwingLast * rate(0) - kSwingBefore * rate(1));
-    R = R * motionAbout(Vector3d::Zero(), turn, Vector3d::Zero()).linear();
+    R = R * rotationFromVector(ahead * (kSwingLast * rate(0) - kSwingBefore * rate(1)));
   }
   return levellingAngles(R, config_.servo_range);
 }

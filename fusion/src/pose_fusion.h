@@ -92,6 +92,7 @@ class PoseFusion {
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
   common::Pose3 T_camera_lidar(common::Utime utime) const;
+  Plane planeOf(const common::Pose3& T_world_lidar) const;
   RobotState addTrack(const Track& track);
   /// Without vision the attitude stays known on level ground only.
   void watchAttitude();
@@ -101,9 +102,9 @@ class PoseFusion {
   void addSamples(std::span<const common::AnchoredPose> pictures);
   void solve(const common::KeyframePoses& keyframes);
   /// In H: a share of height and tilt.
-  void pullToAlignment();
+  void pullToAlignment(const common::Pose3& T_world_camera);
   /// In M: a correction of the map has taken out the drift since.
-  void goToAlignment();
+  void goToAlignment(const common::Pose3& T_world_camera);
 
   const FusionConfig config_;
   const common::RobotConfig robot_;

@@ -19,7 +19,7 @@ class PlaneStateTest : public testing::Test {
  protected:
   void show(double seconds, double height, double tilt, bool attitude_known = true) {
     for (const Utime end = now_ + common::utimeFromSeconds(seconds); now_ < end; now_ += kPicture) {
-      state_.addPlane(now_, height, tilt, attitude_known);
+      state_.addPlane(now_, {height, tilt}, attitude_known);
     }
   }
   void scans(int n, Scan scan) {
@@ -111,12 +111,12 @@ TEST(PlaneStateLsm, SwitchesOnHeightAloneAndAtOnce) {
   PlaneStateConfig config;
   config.mode = "lsm";
   PlaneState state(config);
-  state.addPlane(1'000'000, 0.0, 0.5, true);
-  state.addPlane(1'033'333, 0.0, 0.5, true);
+  state.addPlane(1'000'000, {0.0, 0.5}, true);
+  state.addPlane(1'033'333, {0.0, 0.5}, true);
   EXPECT_EQ(state.state(), ControlState::kH) << "eq. 10 knows no tilt";
-  state.addPlane(1'066'667, 0.26, 0.0, true);
+  state.addPlane(1'066'667, {0.26, 0.0}, true);
   EXPECT_EQ(state.state(), ControlState::kM);
-  state.addPlane(1'100'000, 0.1, 0.0, true);
+  state.addPlane(1'100'000, {0.1, 0.0}, true);
   EXPECT_EQ(state.state(), ControlState::kR);
 }
 

@@ -51,7 +51,6 @@ class History {
     return true;
   }
 
-  void clear() { samples_.clear(); }
   bool empty() const { return samples_.empty(); }
   const Value& newest() const { return samples_.back().second; }
   /// True when at(utime) needs no extrapolation into the future.
