@@ -1,12 +1,9 @@
 #include "fusion_memory.h"
 
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "common/byte_stream.h"
-#include "common/files.h"
 
 namespace rubble::fusion {
 
@@ -16,7 +13,7 @@ using common::ByteReader;
 using common::ByteWriter;
 using common::Pose3;
 
-constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '1'};
+constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '1'};
 
 void putPose(ByteWriter& out, const Pose3& T) { out.putAll(std::span<const double>(T.matrix().data(), 16)); }
 
@@ -54,24 +51,12 @@ std::vector<std::uint8_t> serialise(const FusionMemory& memory) {
     out.put(map.scale_sigma);
     out.put(static_cast<std::uint8_t>(map.scale_known));
   }
-  out.put(common::crc32(out.bytes()));
-  return std::move(out.bytes());
+  return std::move(out).sealed();
 }
 
 FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes) {
-  ByteReader in(bytes, "checkpoint of the fusion");
-  if (in.get<std::array<char, 8>>() != kMagic) {
-    in.fail("not a checkpoint of this version");
-  }
-  std::uint32_t crc = 0;
-  if (in.left() < sizeof crc) {
-    in.fail("truncated");
-  }
-  const auto content = bytes.first(bytes.size() - sizeof crc);
-  std::memcpy(&crc, bytes.data() + content.size(), sizeof crc);
-  if (crc != common::crc32(content)) {
-    in.fail("corrupt: the checksum differs");
-  }
+  ByteReader in(bytes, "fusion's state");
+  in.openSealed(kMagic, "a checkpoint");
   FusionMemory memory;
   memory.last.utime = in.get<common::Utime>();
   memory.last.T_world_camera = getPose(in);
@@ -100,7 +85,7 @@ FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes) {
       in.fail("a scale that is not positive");
     }
   }
-  if (in.left() != sizeof crc) {
+  if (in.left() != 0) {
     in.fail("bytes beyond its end");
   }
   return memory;

@@ -1,18 +1,16 @@
 #include <array>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "common/byte_stream.h"
-#include "common/files.h"
 #include "grid_slam_state.h"
 
 namespace rubble::slam_lidar {
 namespace {
 
 /// The last character is the version.
-constexpr std::array<char, 8> kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
+constexpr common::Magic kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
 
 }  // namespace
 
@@ -44,23 +42,12 @@ std::vector<std::uint8_t> GridSlam::serialise() const {
       out.put(ray.hit);
     }
   }
-  out.put(common::crc32(out.bytes()));
-  return std::move(out.bytes());
+  return std::move(out).sealed();
 }
 
 GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::uint8_t> bytes) {
   common::ByteReader in(bytes, "LiDAR SLAM state");
-  if (in.get<std::array<char, 8>>() != kMagic) {
-    in.fail("not a state, or one of another version");
-  }
-  std::uint32_t crc = 0;
-  if (in.left() < sizeof crc) {
-    in.fail("truncated");
-  }
-  std::memcpy(&crc, bytes.data() + bytes.size() - sizeof crc, sizeof crc);
-  if (crc != common::crc32(bytes.first(bytes.size() - sizeof crc))) {
-    in.fail("damaged, its checksum is wrong");
-  }
+  in.openSealed(kMagic, "a state");
   auto state = std::make_unique<State>(config);
   Tracking& t = state->tracking;
   const bool has_utime = in.get<std::uint8_t>() != 0;
@@ -88,7 +75,7 @@ GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::ui
       ray.hit = in.get<std::uint8_t>() != 0;
     }
   }
-  if (in.left() != sizeof crc) {
+  if (in.left() != 0) {
     in.fail("there is more than belongs to it");
   }
   return GridSlam(std::move(state));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -9,8 +10,12 @@
 #include <vector>
 
 #include "common/error.h"
+#include "common/files.h"
 
 namespace rubble::common {
+
+/// What a file begins with: kind and version.
+using Magic = std::array<char, 8>;
 
 /// Appends plain values to bytes, in the machine's (little-endian) order.
 class ByteWriter {
@@ -28,6 +33,11 @@ class ByteWriter {
     }
   }
   std::vector<std::uint8_t>& bytes() { return bytes_; }
+  /// Ends what began with a Magic: all of it, then its CRC-32.
+  std::vector<std::uint8_t> sealed() && {
+    put(crc32(bytes_));
+    return std::move(bytes_);
+  }
 
  private:
   std::vector<std::uint8_t> bytes_;
@@ -54,6 +64,24 @@ class ByteReader {
       std::memcpy(values.data(), bytes_.data(), values.size_bytes());
     }
     bytes_ = bytes_.subspan(values.size_bytes());
+  }
+  /// Takes the magic from the front and the checksum from the end of what ByteWriter has sealed. `kind`: "a
+  /// map".
+  void openSealed(const Magic& magic, const std::string& kind) {
+    const std::span<const std::uint8_t> all = bytes_;
+    if (get<Magic>() != magic) {
+      fail("not " + kind + ", or one of another version");
+    }
+    std::uint32_t crc = 0;
+    if (bytes_.size() < sizeof crc) {
+      fail("truncated");
+    }
+    const auto content = all.first(all.size() - sizeof crc);
+    std::memcpy(&crc, all.data() + content.size(), sizeof crc);
+    if (crc != crc32(content)) {
+      fail("damaged, its checksum is wrong");
+    }
+    bytes_ = bytes_.first(bytes_.size() - sizeof crc);
   }
   /// Number of elements that follow, each at least `element_size` bytes long.
   std::size_t getCount(std::size_t element_size) {

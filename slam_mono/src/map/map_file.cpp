@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/byte_stream.h"
-#include "common/files.h"
 
 namespace rubble::slam_mono {
 
@@ -88,8 +87,7 @@ std::vector<std::uint8_t> serialiseMap(const Map& map) {
   for (const PointId id : map.points()) {
     putPoint(out, id, *map.point(id));
   }
-  out.put(common::crc32(out.bytes()));
-  return std::move(out.bytes());
+  return std::move(out).sealed();
 }
 
 }  // namespace rubble::slam_mono

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "common/byte_stream.h"
 #include "map/map.h"
 
 namespace rubble::slam_mono {
 
 /// First in the bytes; the last character is the version.
-inline constexpr std::array<char, 8> kMapMagic = {'R', 'B', 'L', 'M', 'O', 'N', 'O', '1'};
+inline constexpr common::Magic kMapMagic = {'R', 'B', 'L', 'M', 'O', 'N', 'O', '1'};
 
 /// The whole map as bytes, with a version and a checksum. Ids stay, also those of what was erased.
 std::vector<std::uint8_t> serialiseMap(const Map& map);

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <utility>
 
 #include "common/byte_stream.h"
-#include "common/files.h"
 #include "map/map_file.h"
 
 namespace rubble::slam_mono {
@@ -42,12 +40,11 @@ bool isRotation(const Eigen::Matrix3d& R) {
 class MapParser {
  public:
   MapParser(std::span<const std::uint8_t> bytes, const Camera& camera, int levels)
-      : bytes_(bytes), in_(bytes, "monocular map"), camera_(camera), levels_(levels) {}
+      : in_(bytes, "monocular map"), camera_(camera), levels_(levels) {}
 
   Map parse();
 
  private:
-  void checkEnvelope();
   std::shared_ptr<const Frame> getFrame();
   void getKeyframe();
   void getPoint();
@@ -64,7 +61,6 @@ class MapParser {
     id_ = id;
   }
 
-  std::span<const std::uint8_t> bytes_;
   common::ByteReader in_;
   const Camera& camera_;
   const int levels_;
@@ -73,21 +69,6 @@ class MapParser {
   const char* kind_ = "";
   std::int64_t id_ = 0;
 };
-
-void MapParser::checkEnvelope() {
-  if (in_.get<std::array<char, 8>>() != kMapMagic) {
-    in_.fail("not a map, or one of another version");
-  }
-  std::uint32_t crc = 0;
-  if (in_.left() < sizeof crc) {
-    in_.fail("truncated");
-  }
-  const auto content = bytes_.first(bytes_.size() - sizeof crc);
-  std::memcpy(&crc, bytes_.data() + content.size(), sizeof crc);
-  if (crc != common::crc32(content)) {
-    in_.fail("damaged, its checksum is wrong");
-  }
-}
 
 std::shared_ptr<const Frame> MapParser::getFrame() {
   const auto utime = in_.get<common::Utime>();
@@ -244,7 +225,7 @@ void MapParser::checkTree() {
 }
 
 Map MapParser::parse() {
-  checkEnvelope();
+  in_.openSealed(kMapMagic, "a map");
   map_.revision = in_.get<std::int64_t>();
   const auto next_keyframe = in_.get<std::uint64_t>();
   const auto next_point = in_.get<std::uint64_t>();
@@ -264,7 +245,7 @@ Map MapParser::parse() {
   }
   checkLinks();
   checkTree();
-  if (in_.left() != sizeof(std::uint32_t)) {
+  if (in_.left() != 0) {
     in_.fail("there is more than belongs to it");
   }
   return std::move(map_);
