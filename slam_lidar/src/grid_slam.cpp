@@ -112,7 +112,7 @@ void GridSlam::State::match(const ScanInput& input, const common::Pose2& T_world
       tracking.T_world_lidar = found.match.T_world_lidar;
       tracking.expected_score = found.score;
     } else {
-      moveTo(found.match.T_world_lidar, dt, found.match.sums.H);
+      moveTo(settle(T_world_predicted, found.match.T_world_lidar), dt, found.match.sums.H);
       tracking.unverified = std::max(0, tracking.unverified - 1);
     }
     tracking.lost = false;

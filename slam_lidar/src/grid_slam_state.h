@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <deque>
 #include <optional>
 #include <vector>
@@ -17,6 +18,8 @@ namespace rubble::slam_lidar {
 inline constexpr double kMaxCoasting = 0.6;
 /// Scans in a map that is still young.
 inline constexpr std::uint64_t kYoungMap = 5;
+/// A turn that a map of one scan does tell (rad): a cell at 2.5 m.
+inline constexpr double kYoungAngle = 0.02;
 
 /// A scan that waits for commitUntil().
 struct PendingScan {
@@ -80,6 +83,15 @@ struct GridSlam::State {
   void moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d& H);
   /// While the map is of a few scans only, a low score says little and every scan is wanted.
   bool young() const { return map.revision() + pending.size() < kYoungMap; }
+  /// In a map of one scan a wall is one row of cells, and a match is as good anywhere across them: what lies
+  /// about a cell's diagonal around the prediction is no news. Several scans smear the row, which tells where
+  /// in it the wall is.
+  common::Pose2 settle(const common::Pose2& T_world_predicted, const common::Pose2& T_world_matched) const {
+    const common::Pose2 moved = T_world_predicted.inverse() * T_world_matched;
+    const bool is_news =
+        moved.translation().norm() > 1.5 * map.finest().cellSize() || std::abs(moved.yaw) > kYoungAngle;
+    return map.revision() >= kYoungMap || is_news ? T_world_matched : T_world_predicted;
+  }
   ScanMatch track(const ScanInput& input, const common::Pose2& T_world_predicted, double dt);
   ScanMatch searchLost(const common::Pose2& T_world_predicted);
   void match(const ScanInput& input, const common::Pose2& T_world_predicted, double dt, ScanResult& result);

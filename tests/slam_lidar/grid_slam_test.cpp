@@ -44,6 +44,29 @@ TEST(GridSlam, FollowsTheTruthWithoutAnyPriorWhereverTheWorldLies) {
   }
 }
 
+TEST(GridSlam, AStandingRobotStandsFromTheFirstScanOn) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0.0F, 0.01F);
+  for (int start = 0; start < 20; ++start) {
+    const common::Pose2 T_world_start{0.013 * start, -0.007 * start, 0.05 * start};
+    const SyntheticRoom room(T_world_start);
+    GridSlam slam(GridSlamConfig{}, T_world_start);
+    for (int i = 1; i <= 20; ++i) {
+      std::vector<float> ranges = room.scan(T_world_start);
+      for (float& range : ranges) {
+        range += noise(random);
+      }
+      ScanInput input = SyntheticRoom::input(i * kPeriod, ranges);
+      input.hold_write = true;
+      if (i > 8) {
+        slam.commitUntil(input.scan.utime - 8 * kPeriod);
+      }
+      const ScanResult result = slam.addScan(input);
+      EXPECT_LT(distance(result.T_world_lidar, T_world_start), 0.02) << "start " << start << " scan " << i;
+    }
+  }
+}
+
 TEST(GridSlam, TwoRunsAreIdentical) {
   const SyntheticRoom room;
   GridSlam a{GridSlamConfig{}};
