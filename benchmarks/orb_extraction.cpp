@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "common/error.h"
-#include "features/hamming.h"
-#include "slam_mono/orb_extractor.h"
+#include "orb/hamming.h"
+#include "orb/orb_extractor.h"
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 namespace {
 
 double threadSeconds() {
@@ -129,7 +129,7 @@ void measure(const std::vector<cv::Mat>& pictures, int rounds, OrbConfig config)
 }
 
 }  // namespace
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb
 
 int main(int argc, char** argv) {
   CLI::App app("CPU time of our ORB features and of cv::ORB on the same pictures, one thread");
@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
   int height = 480;
   std::size_t pictures = 30;
   int rounds = 5;
-  rubble::slam_mono::OrbConfig config;
+  rubble::orb::OrbConfig config;
   app.add_option("folder", folder, "Pictures of one size; without it, synthetic ones")
       ->check(CLI::ExistingDirectory);
   app.add_option("--width", width, "Pixels, of synthetic pictures")
@@ -156,7 +156,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(0);
   try {
-    using namespace rubble::slam_mono;
+    using namespace rubble::orb;
     measure(folder.empty() ? makePictures({width, height}, pictures) : readPictures(folder, pictures), rounds,
             config);
   } catch (const rubble::common::Error& e) {

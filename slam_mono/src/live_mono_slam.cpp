@@ -172,7 +172,7 @@ LiveMonoSlam::LiveMonoSlam(const Camera& camera, const MonoSlamConfig& config)
     : state_(std::make_unique<State>(camera, config)) {}
 LiveMonoSlam::~LiveMonoSlam() = default;
 
-FrameResult LiveMonoSlam::addFrame(common::Utime utime, Features features) {
+FrameResult LiveMonoSlam::addFrame(common::Utime utime, orb::Features features) {
   State& s = *state_;
   if (s.last && utime <= *s.last) {
     throw common::Error("picture not newer than the last one");

@@ -26,7 +26,7 @@ common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_
   return intrinsics;
 }
 
-rubble::mono_features_t featuresMessage(common::Utime utime, const Features& features) {
+rubble::mono_features_t featuresMessage(common::Utime utime, const orb::Features& features) {
   rubble::mono_features_t message;
   message.utime = utime;
   message.width = features.width;
@@ -37,8 +37,8 @@ rubble::mono_features_t featuresMessage(common::Utime utime, const Features& fea
   message.angle = features.angle;
   message.noctaves = message.n;
   message.octave = features.octave;
-  message.ndescriptors = message.n * static_cast<std::int32_t>(sizeof(Descriptor));
-  message.descriptors.resize(features.size() * sizeof(Descriptor));
+  message.ndescriptors = message.n * static_cast<std::int32_t>(sizeof(orb::Descriptor));
+  message.descriptors.resize(features.size() * sizeof(orb::Descriptor));
   if (!features.descriptors.empty()) {
     std::memcpy(message.descriptors.data(), features.descriptors.data(), message.descriptors.size());
   }

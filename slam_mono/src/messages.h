@@ -9,7 +9,7 @@
 #include "common/robot_config.h"
 #include "common/time.h"
 #include "map/map.h"
-#include "slam_mono/features.h"
+#include "orb/features.h"
 #include "slam_mono/frame_result.h"
 
 namespace rubble::slam_mono {
@@ -17,7 +17,7 @@ namespace rubble::slam_mono {
 /// Throws common::Error for what no camera can have.
 common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_t& info);
 
-rubble::mono_features_t featuresMessage(common::Utime utime, const Features& features);
+rubble::mono_features_t featuresMessage(common::Utime utime, const orb::Features& features);
 rubble::mono_pose_t poseMessage(const FrameResult& result);
 rubble::mono_keyframe_t keyframeMessage(const Keyframe& keyframe);
 /// `map`: as it was when it still had the keyframe.

@@ -61,7 +61,7 @@ MonoSlam::~MonoSlam() = default;
 MonoSlam::MonoSlam(MonoSlam&&) noexcept = default;
 MonoSlam& MonoSlam::operator=(MonoSlam&&) noexcept = default;
 
-FrameResult MonoSlam::addFrame(common::Utime utime, Features features) {
+FrameResult MonoSlam::addFrame(common::Utime utime, orb::Features features) {
   State& s = *state_;
   if (s.last && utime <= *s.last) {
     throw common::Error("picture not newer than the last one");

@@ -4,7 +4,7 @@ namespace rubble::slam_mono {
 
 void visit(common::ConfigSection& section, MonoSlamConfig& config) {
   auto& orb = section.section("orb", "features, extracted once for everybody");
-  orb.integer("features", config.orb.features, "", 100, kMostFeatures,
+  orb.integer("features", config.orb.features, "", 100, orb::kMostFeatures,
               "wanted in 640 x 480 pixels; grows with the picture's area");
   orb.number("scale_factor", config.orb.scale_factor, "", 1.05, 2.0, "from one pyramid level to the next");
   orb.integer("levels", config.orb.levels, "", 1, 12, "of the pyramid");

@@ -101,7 +101,7 @@ class SlamMonoNode : public Node {
   void checkpoint();
   void watchForRevisit(const FrameResult& result);
   void requestRevisit();
-  FrameResult track(Utime utime, Features features);
+  FrameResult track(Utime utime, orb::Features features);
   void count(const FrameResult& result);
   /// The map, and the pictures that were located only now.
   void noteMap() {
@@ -117,7 +117,7 @@ class SlamMonoNode : public Node {
   const bool live_;
   const SlamMonoConfig config_;
   const Intrinsics configured_camera_;
-  OrbExtractor extractor_;
+  orb::OrbExtractor extractor_;
   std::optional<Intrinsics> camera_;  // What slam_ was made for.
   std::unique_ptr<SlamEngine> slam_;
   MonoMapPublisher publisher_;
@@ -152,7 +152,7 @@ void SlamMonoNode::onPicture(const bot_core::image_t& picture) {
                                     picture.width, picture.height, camera_->width, camera_->height));
   }
   const cv::Mat grey = decodePicture(picture);
-  Features features;
+  orb::Features features;
   {
     const lcm_io::StageTimer timer(times_, "extract");
     features = extractor_.extract(grey);
@@ -184,7 +184,7 @@ void SlamMonoNode::onPicture(const bot_core::image_t& picture) {
   }
 }
 
-FrameResult SlamMonoNode::track(Utime utime, Features features) {
+FrameResult SlamMonoNode::track(Utime utime, orb::Features features) {
   if (!slam_) {
     FrameResult result;
     result.utime = utime;

@@ -6,6 +6,7 @@
 #include <bot_core/planar_lidar_t.hpp>
 #include <rubble/camera_info_t.hpp>
 #include <rubble/command_t.hpp>
+#include <rubble/detections_t.hpp>
 #include <rubble/fusion_state_t.hpp>
 #include <rubble/grid_map_t.hpp>
 #include <rubble/ground_truth_t.hpp>
@@ -15,6 +16,8 @@
 #include <rubble/mono_features_t.hpp>
 #include <rubble/mono_map_t.hpp>
 #include <rubble/mono_pose_t.hpp>
+#include <rubble/object_notice_t.hpp>
+#include <rubble/objects_t.hpp>
 #include <rubble/odometry_t.hpp>
 #include <rubble/revisit_request_t.hpp>
 #include <rubble/robot_pose_t.hpp>
@@ -61,7 +64,10 @@ constexpr std::array kDecoders = {decodeOne<bot_core::image_t>,
                                   decodeOne<robot_pose_t>,
                                   decodeOne<stabilizer_command_t>,
                                   decodeOne<stabilizer_t>,
-                                  decodeOne<trajectory_t>};
+                                  decodeOne<trajectory_t>,
+                                  decodeOne<detections_t>,
+                                  decodeOne<object_notice_t>,
+                                  decodeOne<objects_t>};
 
 }  // namespace
 

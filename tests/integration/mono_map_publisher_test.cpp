@@ -47,7 +47,7 @@ class MonoMapPublisherTest : public testing::Test {
  protected:
   void grow(int keyframes, int points_each) {
     for (int i = 0; i < keyframes; ++i) {
-      Features features;
+      orb::Features features;
       features.width = 640;
       features.height = 480;
       features.x.assign(kFeatures, 320.0F);

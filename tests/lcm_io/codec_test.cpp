@@ -15,7 +15,7 @@ namespace {
 using test::errorOf;
 
 /// Elements of at most this size may be made for every byte of a message.
-constexpr std::size_t kLargestElement = 128;
+constexpr std::size_t kLargestElement = 288;
 
 /// Decoding may refuse, but neither crash nor allocate more than the message's size justifies, and what it
 /// takes can be encoded again.

@@ -309,6 +309,74 @@ rubble::fusion_state_t sample() {
 }
 
 template <>
+rubble::detection_t sample() {
+  rubble::detection_t m;
+  m.class_name = std::string("radioactive");
+  m.kind = std::string("hazard");
+  m.text = std::string("7");
+  m.score = 0.5F;
+  for (int i = 0; i < 4; ++i) {
+    m.quad_x[i] = 100.5F + static_cast<float>(i);
+    m.quad_y[i] = 50.5F - static_cast<float>(i);
+  }
+  m.width = 0.25;
+  m.height = 0.125;
+  return m;
+}
+
+template <>
+rubble::detections_t sample() {
+  rubble::detections_t m;
+  m.utime = kUtime;
+  m.width = 640;
+  m.height = 480;
+  m.detections = {sample<rubble::detection_t>()};
+  m.n = 1;
+  return m;
+}
+
+template <>
+rubble::object_notice_t sample() {
+  rubble::object_notice_t m;
+  m.utime = kUtime;
+  m.detection = sample<rubble::detection_t>();
+  m.jpeg = {0xFF, 0xD8, 0xFF, 0xD9};
+  m.njpeg = 4;
+  return m;
+}
+
+template <>
+rubble::object_t sample() {
+  rubble::object_t m;
+  m.id = 3;
+  m.class_name = std::string("qr");
+  m.kind = std::string("qr");
+  m.text = std::string("room-7");
+  m.state = rubble::object_t::STATE_CONFIRMED;
+  m.by_operator = 1;
+  fill(m.p_world_object);
+  fill(m.q_world_object);
+  fill(m.covariance);
+  m.width = 0.25;
+  m.height = 0.125;
+  m.views = 12;
+  m.first_seen = kUtime - 5;
+  m.last_seen = kUtime;
+  m.level = 1;
+  m.keyframe_id = 17;
+  return m;
+}
+
+template <>
+rubble::objects_t sample() {
+  rubble::objects_t m;
+  m.utime = kUtime;
+  m.objects = {sample<rubble::object_t>()};
+  m.n = 1;
+  return m;
+}
+
+template <>
 rubble::trajectory_point_t sample() {
   rubble::trajectory_point_t m;
   m.utime = kUtime;

@@ -63,7 +63,7 @@ class SmallMapTest : public testing::Test {
   }
 
   std::shared_ptr<const Frame> frame() {
-    Features features;
+    orb::Features features;
     features.width = 640;
     features.height = 480;
     for (std::size_t i = 0; i < kFeatures; ++i) {
@@ -94,7 +94,7 @@ class SmallMapTest : public testing::Test {
     return parseError(serialiseMap(map));
   }
   /// The same features but one.
-  static void spoil(Keyframe& keyframe, const std::function<void(Features&)>& harm) {
+  static void spoil(Keyframe& keyframe, const std::function<void(orb::Features&)>& harm) {
     Frame frame = *keyframe.frame;
     harm(frame.features);
     keyframe.frame = std::make_shared<const Frame>(std::move(frame));
@@ -157,14 +157,14 @@ TEST_F(SmallMapTest, NamesWhatIsWrong) {
               }),
               HasSubstr("ancestor"));
 
-  const auto features = [&](const std::function<void(Features&)>& harm) {
+  const auto features = [&](const std::function<void(orb::Features&)>& harm) {
     return keyframe([&](Keyframe& k) { spoil(k, harm); });
   };
-  EXPECT_THAT(features([](Features& f) { f.width = 320; }), HasSubstr("size"));
-  EXPECT_THAT(features([](Features& f) { f.x[3] = 640.5F; }), HasSubstr("outside"));
-  EXPECT_THAT(features([](Features& f) { f.y[3] = std::nanf(""); }), HasSubstr("outside"));
-  EXPECT_THAT(features([](Features& f) { f.angle[3] = HUGE_VALF; }), HasSubstr("orientation"));
-  EXPECT_THAT(features([](Features& f) { f.octave[3] = kLevels; }), HasSubstr("octave"));
+  EXPECT_THAT(features([](orb::Features& f) { f.width = 320; }), HasSubstr("size"));
+  EXPECT_THAT(features([](orb::Features& f) { f.x[3] = 640.5F; }), HasSubstr("outside"));
+  EXPECT_THAT(features([](orb::Features& f) { f.y[3] = std::nanf(""); }), HasSubstr("outside"));
+  EXPECT_THAT(features([](orb::Features& f) { f.angle[3] = HUGE_VALF; }), HasSubstr("orientation"));
+  EXPECT_THAT(features([](orb::Features& f) { f.octave[3] = kLevels; }), HasSubstr("octave"));
 
   const auto point = [&](const std::function<void(MapPoint&)>& harm) {
     return errorAfter([&](Map& map) { harm(map.editPoint(5)); });

@@ -12,7 +12,7 @@ class MapTest : public testing::Test {
  protected:
   MapTest() {
     for (int k = 0; k < 3; ++k) {
-      Features features;
+      orb::Features features;
       features.width = 640;
       features.height = 480;
       for (int i = 0; i < kPoints; ++i) {

@@ -136,7 +136,7 @@ TEST_F(MonoSlamTest, RefusesTimeThatGoesBack) {
     mission_.look(poses[i]);
     undisturbed.look(poses[i]);
     for (const common::Utime back : {0, 1, 10'000'000}) {
-      EXPECT_THAT(test::errorOf([&] { mission_.slam().addFrame(poses[i].utime - back, Features{}); }),
+      EXPECT_THAT(test::errorOf([&] { mission_.slam().addFrame(poses[i].utime - back, orb::Features{}); }),
                   testing::HasSubstr("not newer"));
     }
   }

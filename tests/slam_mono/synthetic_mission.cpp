@@ -24,7 +24,7 @@ const MissionFrame& Mission::look(const StampedPose& pose, const ViewConfig& vie
   return add(pose, world_.view(lens_, pose.T_world_camera, view, dice_));
 }
 
-const MissionFrame& Mission::add(const StampedPose& pose, Features features) {
+const MissionFrame& Mission::add(const StampedPose& pose, orb::Features features) {
   const double start = threadSeconds();
   const FrameResult result = slam_.addFrame(pose.utime, std::move(features));
   frames_.push_back({pose, result, threadSeconds() - start});

@@ -34,7 +34,7 @@ class Mission {
   /// Takes the picture at the pose, all clutter of it included.
   const MissionFrame& look(const StampedPose& pose, const ViewConfig& view = {});
   /// Instead of a picture.
-  const MissionFrame& add(const StampedPose& pose, Features features);
+  const MissionFrame& add(const StampedPose& pose, orb::Features features);
   /// A whole route.
   void follow(std::span<const StampedPose> poses, const ViewConfig& view = {});
 

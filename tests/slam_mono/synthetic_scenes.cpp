@@ -40,7 +40,7 @@ struct Print {
   double turn = 0.0;      // rad, from u towards v
   double reach = 0.0;
   double strength = 0.0;
-  Descriptor descriptor{};
+  orb::Descriptor descriptor{};
 };
 
 using Line = std::vector<Eigen::Vector2d>;
@@ -121,7 +121,7 @@ class Builder {
     // The pyramid has fewer features on higher octaves: density falls with the reach.
     const double inverse = dice.uniform(1.0 / kMaxReach, 1.0 / kMinReach);
     const Eigen::Vector2d place(dice.uniform(0.0, extent.x()), dice.uniform(0.0, extent.y()));
-    const Descriptor descriptor =
+    const orb::Descriptor descriptor =
         patterns_.empty() ? randomDescriptor(dice)
                           : flipped(patterns_[static_cast<std::size_t>(dice.uniform(0.0, kPatterns))],
                                     kPatternSpread, dice);
@@ -170,7 +170,7 @@ class Builder {
     }
   }
 
-  std::vector<Descriptor> patterns_;
+  std::vector<orb::Descriptor> patterns_;
   std::vector<Print> door_;
   bool regular_ = false;
 };

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slam_mono/orb_extractor.h"
+#include "orb/orb_extractor.h"
 
 namespace rubble::slam_mono {
 
@@ -40,8 +40,8 @@ bool cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Wall& wall)
          side(wall.from, wall.to, a) * side(wall.from, wall.to, b) < 0.0;
 }
 
-void add(Features& features, const Eigen::Vector2d& pixel, double angle, int octave,
-         const Descriptor& descriptor) {
+void add(orb::Features& features, const Eigen::Vector2d& pixel, double angle, int octave,
+         const orb::Descriptor& descriptor) {
   features.x.push_back(static_cast<float>(pixel.x()));
   features.y.push_back(static_cast<float>(pixel.y()));
   features.angle.push_back(static_cast<float>(angle));
@@ -49,7 +49,7 @@ void add(Features& features, const Eigen::Vector2d& pixel, double angle, int oct
   features.descriptors.push_back(descriptor);
 }
 
-void addClutter(Features& features, const Eigen::Vector2d& pixel, Dice& dice) {
+void addClutter(orb::Features& features, const Eigen::Vector2d& pixel, Dice& dice) {
   // Higher octaves have fewer features.
   const int octave = std::min(7, static_cast<int>(-5.0 * std::log(1.0 - dice.uniform(0.0, 1.0))));
   add(features, pixel, dice.uniform(-std::numbers::pi, std::numbers::pi), octave, randomDescriptor(dice));
@@ -65,14 +65,14 @@ struct SyntheticWorld::Candidate {
   int rank = 0;  // In its cell, the strongest first.
 };
 
-Descriptor randomDescriptor(Dice& dice) {
-  Descriptor descriptor{};
+orb::Descriptor randomDescriptor(Dice& dice) {
+  orb::Descriptor descriptor{};
   std::generate(descriptor.begin(), descriptor.end(), [&] { return randomWord(dice); });
   return descriptor;
 }
 
-Descriptor flipped(const Descriptor& descriptor, double share, Dice& dice) {
-  Descriptor result = descriptor;
+orb::Descriptor flipped(const orb::Descriptor& descriptor, double share, Dice& dice) {
+  orb::Descriptor result = descriptor;
   for (std::uint64_t& word : result) {
     word ^= sparseWord(share, dice);
   }
@@ -87,7 +87,7 @@ std::vector<SyntheticWorld::Candidate> SyntheticWorld::candidates(const Camera& 
                                                                   const common::Pose3& T_world_camera,
                                                                   const ViewConfig& config,
                                                                   Dice& dice) const {
-  const OrbConfig orb;
+  const orb::OrbConfig orb;
   const double farthest = std::pow(orb.scale_factor, orb.levels);
   const common::Pose3 T_camera_world = T_world_camera.inverse();
   const Eigen::Vector3d eye = T_world_camera.translation();
@@ -120,8 +120,8 @@ std::vector<SyntheticWorld::Candidate> SyntheticWorld::candidates(const Camera& 
   return found;
 }
 
-Features SyntheticWorld::view(const Camera& camera, const common::Pose3& T_world_camera,
-                              const ViewConfig& config, Dice& dice) const {
+orb::Features SyntheticWorld::view(const Camera& camera, const common::Pose3& T_world_camera,
+                                   const ViewConfig& config, Dice& dice) const {
   auto seen = candidates(camera, T_world_camera, config, dice);
   std::stable_sort(seen.begin(), seen.end(), [](const Candidate& a, const Candidate& b) {
     return a.landmark->strength > b.landmark->strength;
@@ -141,7 +141,7 @@ Features SyntheticWorld::view(const Camera& camera, const common::Pose3& T_world
   seen.resize(std::min(seen.size(), static_cast<std::size_t>(wanted)));
 
   const common::Pose3 T_camera_world = T_world_camera.inverse();
-  Features features;
+  orb::Features features;
   features.width = camera.width();
   features.height = camera.height();
   const double edge = dice.uniform(0.0, 1.0 - config.occluded) * camera.width();
@@ -166,8 +166,8 @@ Features SyntheticWorld::view(const Camera& camera, const common::Pose3& T_world
   return features;
 }
 
-Features SyntheticWorld::clutter(const Camera& camera, int count, Dice& dice) {
-  Features features;
+orb::Features SyntheticWorld::clutter(const Camera& camera, int count, Dice& dice) {
+  orb::Features features;
   features.width = camera.width();
   features.height = camera.height();
   for (int i = 0; i < count; ++i) {

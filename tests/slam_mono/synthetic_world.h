@@ -7,8 +7,8 @@
 
 #include "common/geometry.h"
 #include "geometry_scene.h"
+#include "orb/features.h"
 #include "slam_mono/camera.h"
-#include "slam_mono/features.h"
 
 namespace rubble::slam_mono {
 
@@ -19,7 +19,7 @@ struct Landmark {
   Eigen::Vector3d along;   ///< unit, in the surface: the patch's orientation
   double reach = 0.0;      ///< m, from where it is seen on octave 0
   double strength = 0.0;   ///< the strongest ones of each part of the picture are kept
-  Descriptor descriptor{};
+  orb::Descriptor descriptor{};
 };
 
 /// An upright wall in plan, from the floor to the ceiling; opaque.
@@ -47,10 +47,10 @@ class SyntheticWorld {
 
   const std::vector<Landmark>& landmarks() const { return landmarks_; }
 
-  Features view(const Camera& camera, const common::Pose3& T_world_camera, const ViewConfig& config,
-                Dice& dice) const;
+  orb::Features view(const Camera& camera, const common::Pose3& T_world_camera, const ViewConfig& config,
+                     Dice& dice) const;
   /// Nothing but clutter.
-  static Features clutter(const Camera& camera, int count, Dice& dice);
+  static orb::Features clutter(const Camera& camera, int count, Dice& dice);
 
  private:
   struct Candidate;
@@ -62,8 +62,8 @@ class SyntheticWorld {
   std::vector<Landmark> landmarks_;
 };
 
-Descriptor randomDescriptor(Dice& dice);
+orb::Descriptor randomDescriptor(Dice& dice);
 /// Each bit differs with this probability.
-Descriptor flipped(const Descriptor& descriptor, double share, Dice& dice);
+orb::Descriptor flipped(const orb::Descriptor& descriptor, double share, Dice& dice);
 
 }  // namespace rubble::slam_mono

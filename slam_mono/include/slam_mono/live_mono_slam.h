@@ -16,7 +16,7 @@ class LiveMonoSlam final : public SlamEngine {
   LiveMonoSlam(const Camera& camera, const MonoSlamConfig& config);
   ~LiveMonoSlam() override;
 
-  FrameResult addFrame(common::Utime utime, Features features) override;
+  FrameResult addFrame(common::Utime utime, orb::Features features) override;
   std::vector<FrameResult> takeLocated() override;
   std::shared_ptr<const Map> map() const override;
   void replaceMap(Map map) override;

@@ -18,7 +18,7 @@ class MonoSlam final : public SlamEngine {
   MonoSlam(MonoSlam&&) noexcept;
   MonoSlam& operator=(MonoSlam&&) noexcept;
 
-  FrameResult addFrame(common::Utime utime, Features features) override;
+  FrameResult addFrame(common::Utime utime, orb::Features features) override;
   std::vector<FrameResult> takeLocated() override;
   std::shared_ptr<const Map> map() const override;
   void replaceMap(Map map) override;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/config.h"
-#include "slam_mono/orb_extractor.h"
+#include "orb/orb_extractor.h"
 
 namespace rubble::slam_mono {
 
@@ -9,7 +9,7 @@ namespace rubble::slam_mono {
 /// `rubble-slam-mono
 /// --print-config` prints them as commented YAML.
 struct MonoSlamConfig {
-  OrbConfig orb;
+  orb::OrbConfig orb;
 
   struct Start {
     int min_matches = 80;

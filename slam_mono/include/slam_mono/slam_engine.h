@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/time.h"
-#include "slam_mono/features.h"
+#include "orb/features.h"
 #include "slam_mono/frame_result.h"
 
 namespace rubble::slam_mono {
@@ -17,7 +17,7 @@ class SlamEngine {
   virtual ~SlamEngine() = default;
 
   /// Features of the next picture; time must increase, else throws common::Error with nothing changed.
-  virtual FrameResult addFrame(common::Utime utime, Features features) = 0;
+  virtual FrameResult addFrame(common::Utime utime, orb::Features features) = 0;
 
   /// Poses of earlier pictures that were found only after a map had started; each is handed out once.
   virtual std::vector<FrameResult> takeLocated() = 0;

@@ -12,7 +12,7 @@ constexpr double kCell = 16.0;  // pixels
 
 }  // namespace
 
-FeatureGrid::FeatureGrid(const Features& features)
+FeatureGrid::FeatureGrid(const orb::Features& features)
     : columns_(static_cast<int>(features.width / kCell) + 1),
       rows_(static_cast<int>(features.height / kCell) + 1),
       start_(static_cast<std::size_t>(columns_ * rows_) + 1, 0),
@@ -35,8 +35,8 @@ FeatureGrid::FeatureGrid(const Features& features)
   }
 }
 
-void FeatureGrid::find(const Features& features, const Eigen::Vector2d& pixel, double radius, int min_octave,
-                       int max_octave, std::vector<std::uint32_t>& found) const {
+void FeatureGrid::find(const orb::Features& features, const Eigen::Vector2d& pixel, double radius,
+                       int min_octave, int max_octave, std::vector<std::uint32_t>& found) const {
   const int first_column = std::max(0, static_cast<int>(std::floor((pixel.x() - radius) / kCell)));
   const int last_column = std::min(columns_ - 1, static_cast<int>(std::floor((pixel.x() + radius) / kCell)));
   const int first_row = std::max(0, static_cast<int>(std::floor((pixel.y() - radius) / kCell)));
@@ -61,7 +61,7 @@ void FeatureGrid::find(const Features& features, const Eigen::Vector2d& pixel, d
   }
 }
 
-Frame::Frame(common::Utime frame_utime, Features frame_features, const Camera& camera)
+Frame::Frame(common::Utime frame_utime, orb::Features frame_features, const Camera& camera)
     : utime(frame_utime), features(std::move(frame_features)), grid(features) {
   bearings.reserve(size());
   for (std::size_t i = 0; i < size(); ++i) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/time.h"
+#include "orb/features.h"
 #include "slam_mono/camera.h"
-#include "slam_mono/features.h"
 
 namespace rubble::slam_mono {
 
@@ -15,11 +15,11 @@ namespace rubble::slam_mono {
 class FeatureGrid {
  public:
   FeatureGrid() = default;
-  explicit FeatureGrid(const Features& features);
+  explicit FeatureGrid(const orb::Features& features);
 
   /// Appends to `found` the features within `radius` pixels (a square) of the pixel, on octaves
   /// min_octave .. max_octave.
-  void find(const Features& features, const Eigen::Vector2d& pixel, double radius, int min_octave,
+  void find(const orb::Features& features, const Eigen::Vector2d& pixel, double radius, int min_octave,
             int max_octave, std::vector<std::uint32_t>& found) const;
 
  private:
@@ -31,7 +31,7 @@ class FeatureGrid {
 
 /// One picture's features with what matching and geometry want of them. Never changes once made.
 struct Frame {
-  Frame(common::Utime frame_utime, Features frame_features, const Camera& camera);
+  Frame(common::Utime frame_utime, orb::Features frame_features, const Camera& camera);
 
   std::size_t size() const { return features.size(); }
   Eigen::Vector2d pixel(std::size_t i) const {
@@ -39,7 +39,7 @@ struct Frame {
   }
 
   common::Utime utime = 0;
-  Features features;
+  orb::Features features;
   std::vector<Eigen::Vector3d> bearings;  ///< unit vectors in `camera`
   FeatureGrid grid;
 };

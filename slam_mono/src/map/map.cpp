@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "features/hamming.h"
+#include "orb/hamming.h"
 
 namespace rubble::slam_mono {
 
@@ -215,7 +215,7 @@ std::optional<std::uint32_t> Map::featureOf(PointId point, KeyframeId keyframe) 
 void Map::refreshPoint(PointId id, const OctaveScales& scales) {
   MapPoint& p = editPoint(id);
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  std::vector<const Descriptor*> descriptors;
+  std::vector<const orb::Descriptor*> descriptors;
   for (const Observation& o : p.observations) {
     const Keyframe& k = *keyframe(o.keyframe);
     normal += (p.p_mono_point - k.p_mono_camera()).normalized();
@@ -232,11 +232,11 @@ void Map::refreshPoint(PointId id, const OctaveScales& scales) {
   if (descriptors.size() > kMost) {
     descriptors.erase(descriptors.begin(), descriptors.end() - kMost);
   }
-  int best = kNoDistance;
+  int best = orb::kNoDistance;
   std::array<int, kMost> distances{};
-  for (const Descriptor* candidate : descriptors) {
+  for (const orb::Descriptor* candidate : descriptors) {
     for (std::size_t i = 0; i < descriptors.size(); ++i) {
-      distances[i] = hammingDistance(*candidate, *descriptors[i]);
+      distances[i] = orb::hammingDistance(*candidate, *descriptors[i]);
     }
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>((descriptors.size() - 1) / 2);
     std::nth_element(distances.begin(), middle,

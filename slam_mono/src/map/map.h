@@ -33,7 +33,7 @@ struct MapPoint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< mean direction from the cameras to it, unit length
   double min_distance = 0.0;  ///< at which the descriptor's pyramid levels still see it
   double max_distance = 0.0;
-  Descriptor descriptor{};
+  orb::Descriptor descriptor{};
   KeyframeId reference = kNoKeyframe;  ///< the keyframe that made it, or the next that saw it
   KeyframeId first = kNoKeyframe;      ///< newest keyframe when it was made
   int visible = 1;                     ///< frames that should have seen it

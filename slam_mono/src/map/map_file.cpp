@@ -21,7 +21,7 @@ void putCounted(ByteWriter& out, const std::vector<T>& values) {
 void putVector(ByteWriter& out, const Eigen::Vector3d& v) { out.put(std::array{v.x(), v.y(), v.z()}); }
 
 void putFrame(ByteWriter& out, const Frame& frame) {
-  const Features& f = frame.features;
+  const orb::Features& f = frame.features;
   out.put(frame.utime);
   out.put(f.width);
   out.put(f.height);
@@ -30,7 +30,7 @@ void putFrame(ByteWriter& out, const Frame& frame) {
   out.putAll(std::span<const float>(f.y));
   out.putAll(std::span<const float>(f.angle));
   out.putAll(std::span<const std::uint8_t>(f.octave));
-  out.putAll(std::span<const Descriptor>(f.descriptors));
+  out.putAll(std::span<const orb::Descriptor>(f.descriptors));
 }
 
 void putKeyframe(ByteWriter& out, const Keyframe& keyframe) {

@@ -16,7 +16,7 @@ namespace {
 /// More are damage: they would take all memory.
 constexpr std::uint64_t kMostKeyframes = 1U << 22U;
 constexpr std::uint64_t kMostPoints = 1U << 28U;
-constexpr std::size_t kFeatureBytes = 3 * sizeof(float) + 1 + sizeof(Descriptor);
+constexpr std::size_t kFeatureBytes = 3 * sizeof(float) + 1 + sizeof(orb::Descriptor);
 constexpr std::size_t kObservationBytes = sizeof(KeyframeId) + sizeof(std::uint32_t);
 
 Eigen::Vector3d getVector(common::ByteReader& in) {
@@ -72,7 +72,7 @@ class MapParser {
 
 std::shared_ptr<const Frame> MapParser::getFrame() {
   const auto utime = in_.get<common::Utime>();
-  Features f;
+  orb::Features f;
   f.width = in_.get<int>();
   f.height = in_.get<int>();
   require(f.width == camera_.width() && f.height == camera_.height(),
@@ -138,7 +138,7 @@ void MapParser::getPoint() {
   require(p.p_mono_point.allFinite() && p.normal.allFinite(), "position or normal not finite");
   require(p.min_distance >= 0.0 && p.max_distance >= p.min_distance && std::isfinite(p.max_distance),
           "impossible distances");
-  p.descriptor = in_.get<Descriptor>();
+  p.descriptor = in_.get<orb::Descriptor>();
   p.reference = in_.get<KeyframeId>();
   p.first = in_.get<KeyframeId>();
   require(p.first >= kNoKeyframe && p.first < map_.nextKeyframeId(), "made by an impossible keyframe");

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "features/hamming.h"
+#include "orb/hamming.h"
 
 namespace rubble::slam_mono {
 
@@ -86,7 +86,8 @@ int ProjectionMatcher::matchLastFrame(const Map& map, const Frame& last, const P
     const int octave = last.features.octave[i];
     candidates_.clear();
     frame.grid.find(frame.features, *pixel, radius * scales_[octave], octave - 1, octave + 1, candidates_);
-    const NearestTwo nearest = nearestTwo(point->descriptor, frame.features.descriptors, candidates_);
+    const orb::NearestTwo nearest =
+        orb::nearestTwo(point->descriptor, frame.features.descriptors, candidates_);
     if (nearest.best_distance <= kLooseDistance) {
       const auto feature = static_cast<std::uint32_t>(nearest.best);
       claim(feature, last_points[i], nearest.best_distance);
@@ -146,7 +147,8 @@ int ProjectionMatcher::matchLocalPoints(const LocalPoints& local, const Frame& f
     frame.grid.find(frame.features, sighting->pixel, radius * scales_[sighting->octave], sighting->octave - 1,
                     sighting->octave + 1, candidates_);
     std::erase_if(candidates_, [&](std::uint32_t i) { return points[i] != kNoPoint; });
-    const NearestTwo nearest = nearestTwo(local.descriptors[k], frame.features.descriptors, candidates_);
+    const orb::NearestTwo nearest =
+        orb::nearestTwo(local.descriptors[k], frame.features.descriptors, candidates_);
     if (nearest.best_distance > max_distance) {
       continue;
     }
@@ -171,11 +173,11 @@ int ProjectionMatcher::matchLocalPoints(const LocalPoints& local, const Frame& f
 
 PointMatches matchExhaustively(const LocalPoints& local, const Frame& frame, int max_distance,
                                double max_ratio) {
-  std::vector<NearestTwo> nearest(frame.size());
-  nearestTwoOfAll(frame.features.descriptors, local.descriptors, nearest);
-  std::vector<std::pair<int, std::size_t>> best_of_point(local.size(), {kNoDistance, 0});
+  std::vector<orb::NearestTwo> nearest(frame.size());
+  orb::nearestTwoOfAll(frame.features.descriptors, local.descriptors, nearest);
+  std::vector<std::pair<int, std::size_t>> best_of_point(local.size(), {orb::kNoDistance, 0});
   for (std::size_t i = 0; i < frame.size(); ++i) {
-    const NearestTwo& n = nearest[i];
+    const orb::NearestTwo& n = nearest[i];
     if (n.best >= 0 && n.best_distance <= max_distance && n.best_distance <= max_ratio * n.second_distance) {
       auto& best = best_of_point[static_cast<std::size_t>(n.best)];
       best = std::min(best, {n.best_distance, i});
@@ -183,7 +185,7 @@ PointMatches matchExhaustively(const LocalPoints& local, const Frame& frame, int
   }
   PointMatches points(frame.size(), kNoPoint);
   for (std::size_t k = 0; k < local.size(); ++k) {
-    if (best_of_point[k].first < kNoDistance) {
+    if (best_of_point[k].first < orb::kNoDistance) {
       points[best_of_point[k].second] = local.points[k].id;
     }
   }

@@ -27,7 +27,7 @@ struct LocalPoint {
 /// Some of a map's points, gathered.
 struct LocalPoints {
   std::vector<LocalPoint> points;
-  std::vector<Descriptor> descriptors;  ///< same order
+  std::vector<orb::Descriptor> descriptors;  ///< same order
 
   void add(PointId id, const MapPoint& point);
   std::size_t size() const { return points.size(); }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "features/hamming.h"
+#include "orb/hamming.h"
 
 namespace rubble::slam_mono {
 
@@ -40,7 +40,7 @@ std::vector<Place> PlaceTable::recognise(const Frame& frame, const std::function
   if (!any) {
     return {};
   }
-  std::vector<Descriptor> descriptors;
+  std::vector<orb::Descriptor> descriptors;
   std::vector<const MapPoint*> points;
   for (std::size_t i = 0; i < ids_.size(); ++i) {
     const MapPoint* point = map_->point(ids_[i]);
@@ -53,15 +53,15 @@ std::vector<Place> PlaceTable::recognise(const Frame& frame, const std::function
   // Features on coarse octaves are seen from further away: every n-th of all, so that each octave has its
   // share.
   const std::size_t step = std::max<std::size_t>(1, frame.size() / kSample);
-  std::vector<Descriptor> sample;
+  std::vector<orb::Descriptor> sample;
   for (std::size_t i = 0; i < frame.size(); i += step) {
     sample.push_back(frame.features.descriptors[i]);
   }
-  std::vector<NearestTwo> nearest(sample.size());
-  nearestTwoOfAll(sample, descriptors, nearest);
+  std::vector<orb::NearestTwo> nearest(sample.size());
+  orb::nearestTwoOfAll(sample, descriptors, nearest);
 
   std::map<KeyframeId, double> votes;
-  for (const NearestTwo& n : nearest) {
+  for (const orb::NearestTwo& n : nearest) {
     if (n.best < 0 || n.best_distance > kMaxDistance) {
       continue;
     }

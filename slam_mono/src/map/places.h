@@ -31,7 +31,7 @@ class PlaceTable {
  private:
   std::shared_ptr<const Map> map_;
   std::vector<PointId> ids_;
-  std::vector<Descriptor> descriptors_;
+  std::vector<orb::Descriptor> descriptors_;
 };
 
 }  // namespace rubble::slam_mono

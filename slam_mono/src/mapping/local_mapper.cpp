@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "features/hamming.h"
+#include "orb/hamming.h"
 
 namespace rubble::slam_mono {
 
@@ -189,7 +189,7 @@ void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
   const Eigen::Vector3d epipole = T_b_a.translation().normalized();
 
   struct Claim {
-    int distance = kNoDistance;
+    int distance = orb::kNoDistance;
     std::uint32_t feature = 0;
   };
   std::vector<Claim> claims(features_b.size());
@@ -217,8 +217,8 @@ void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
         candidate_index.push_back(j);
       }
     }
-    const NearestTwo n =
-        nearestTwo(a.frame->features.descriptors[i], b.frame->features.descriptors, candidates);
+    const orb::NearestTwo n =
+        orb::nearestTwo(a.frame->features.descriptors[i], b.frame->features.descriptors, candidates);
     if (n.best_distance > kStrictDistance) {
       continue;
     }
@@ -233,7 +233,7 @@ void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
   std::vector<float> turns;
   std::vector<std::size_t> claimed;
   for (std::size_t j = 0; j < claims.size(); ++j) {
-    if (claims[j].distance < kNoDistance) {
+    if (claims[j].distance < orb::kNoDistance) {
       claimed.push_back(j);
       turns.push_back(b.frame->features.angle[features_b[j]] - a.frame->features.angle[claims[j].feature]);
     }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "features/hamming.h"
+#include "orb/hamming.h"
 
 namespace rubble::slam_mono {
 
@@ -26,7 +26,7 @@ void Initializer::begin(const std::shared_ptr<const Frame>& frame) {
 
 int Initializer::match(const Frame& frame) {
   struct Claim {
-    int distance = kNoDistance;
+    int distance = orb::kNoDistance;
     std::uint32_t first = 0;
   };
   std::vector<Claim> claims(frame.size());
@@ -35,7 +35,8 @@ int Initializer::match(const Frame& frame) {
     const int octave = first_->features.octave[i];
     candidates.clear();
     frame.grid.find(frame.features, last_pixel_[i], kRadius, octave - 1, octave + 1, candidates);
-    const NearestTwo n = nearestTwo(first_->features.descriptors[i], frame.features.descriptors, candidates);
+    const orb::NearestTwo n =
+        orb::nearestTwo(first_->features.descriptors[i], frame.features.descriptors, candidates);
     if (n.best_distance <= kStrictDistance && n.best_distance <= kMaxRatio * n.second_distance) {
       Claim& claim = claims[static_cast<std::size_t>(n.best)];
       if (n.best_distance < claim.distance) {
@@ -46,7 +47,7 @@ int Initializer::match(const Frame& frame) {
   std::vector<std::uint32_t> features;
   std::vector<float> turns;
   for (std::uint32_t j = 0; j < frame.size(); ++j) {
-    if (claims[j].distance < kNoDistance) {
+    if (claims[j].distance < orb::kNoDistance) {
       features.push_back(j);
       turns.push_back(frame.features.angle[j] - first_->features.angle[claims[j].first]);
     }

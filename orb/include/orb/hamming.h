@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
-#include "slam_mono/features.h"
+#include "orb/features.h"
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 /// Above every distance there is.
 inline constexpr int kNoDistance = 257;
@@ -31,4 +31,4 @@ NearestTwo nearestTwo(const Descriptor& query, std::span<const Descriptor> descr
 void nearestTwoOfAll(std::span<const Descriptor> queries, std::span<const Descriptor> descriptors,
                      std::span<NearestTwo> result);
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

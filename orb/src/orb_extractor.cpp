@@ -1,4 +1,4 @@
-#include "slam_mono/orb_extractor.h"
+#include "orb/orb_extractor.h"
 
 #include <fmt/format.h>
 
@@ -8,20 +8,20 @@
 #include <span>
 
 #include "common/error.h"
-#include "features/corner_quadtree.h"
-#include "features/fast_detector.h"
-#include "features/orb_patch.h"
+#include "corner_quadtree.h"
+#include "fast_detector.h"
+#include "orb_patch.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "features/orb_extractor.cpp"
+#define HWY_TARGET_INCLUDE "orb_extractor.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target.h first, then highway.h
 #include <hwy/highway.h>
 
-#include "features/orb_kernels-inl.h"
+#include "orb_kernels-inl.h"
 
 #if HWY_ONCE
-namespace rubble::slam_mono {
+namespace rubble::orb {
 namespace {
 
 HWY_EXPORT(smoothPatches);
@@ -191,5 +191,5 @@ Features OrbExtractor::extract(const cv::Mat& grey) {
   return features;
 }
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb
 #endif  // HWY_ONCE

@@ -3,9 +3,9 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 
-#include "slam_mono/features.h"
+#include "orb/features.h"
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 struct OrbConfig {
   int features = 1000;        ///< wanted in 640 x 480; grows with the picture's area up to kMostFeatures
@@ -34,4 +34,4 @@ class OrbExtractor {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 /// An ORB descriptor: 256 bits (Rublee et al., "ORB: an efficient alternative to SIFT or SURF", ICCV 2011).
 using Descriptor = std::array<std::uint64_t, 4>;
@@ -26,4 +26,4 @@ struct Features {
   std::size_t size() const { return x.size(); }
 };
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 constexpr int kRadius = 15;  // pixels, of a patch
 constexpr int kPatchWidth = 32;
@@ -83,4 +83,4 @@ struct Direction {
   float sin = 0.0F;
 };
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 struct Corner {
   std::int16_t x = 0;  ///< pixels
@@ -41,4 +41,4 @@ class FastDetector {
   std::vector<std::uint8_t> strongest_;  // score per cell
 };
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

@@ -1,9 +1,9 @@
 // Compiled once per target, from orb_extractor.cpp.
-#if defined(RUBBLE_SLAM_MONO_ORB_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef RUBBLE_SLAM_MONO_ORB_KERNELS_INL
-#undef RUBBLE_SLAM_MONO_ORB_KERNELS_INL
+#if defined(RUBBLE_ORB_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RUBBLE_ORB_KERNELS_INL
+#undef RUBBLE_ORB_KERNELS_INL
 #else
-#define RUBBLE_SLAM_MONO_ORB_KERNELS_INL
+#define RUBBLE_ORB_KERNELS_INL
 #endif
 
 #include <hwy/highway.h>
@@ -11,12 +11,12 @@
 #include <opencv2/core/mat.hpp>
 #include <span>
 
-#include "features/fast_detector.h"
-#include "features/orb_patch.h"
-#include "slam_mono/features.h"
+#include "fast_detector.h"
+#include "orb/features.h"
+#include "orb_patch.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace rubble::slam_mono::HWY_NAMESPACE {
+namespace rubble::orb::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -115,7 +115,7 @@ void describePatches(const cv::Mat& smooth, const Pattern& pattern, std::span<co
   }
 }
 
-}  // namespace rubble::slam_mono::HWY_NAMESPACE
+}  // namespace rubble::orb::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -1,4 +1,4 @@
-#include "features/fast_detector.h"
+#include "fast_detector.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,14 +8,14 @@
 #include "common/error.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "features/fast_detector.cpp"
+#define HWY_TARGET_INCLUDE "fast_detector.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target.h first, then highway.h
 #include <hwy/highway.h>
 
 #ifndef RUBBLE_SLAM_MONO_FAST_ROW
 #define RUBBLE_SLAM_MONO_FAST_ROW
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 constexpr int kRing = 16;
 
@@ -44,11 +44,11 @@ inline cv::Point2f peakOf(const std::uint8_t* above, const std::uint8_t* row, co
   return {peakOf(column(0), column(1), column(2)), peakOf(line(above), line(row), line(below))};
 }
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace rubble::slam_mono::HWY_NAMESPACE {
+namespace rubble::orb::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -184,11 +184,11 @@ void refineCorners(const cv::Mat& grey, std::span<const Corner> corners, cv::Poi
   }
 }
 
-}  // namespace rubble::slam_mono::HWY_NAMESPACE
+}  // namespace rubble::orb::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace rubble::slam_mono {
+namespace rubble::orb {
 namespace {
 
 HWY_EXPORT(findMaxima);
@@ -248,5 +248,5 @@ void FastDetector::keepStrongInCells(int width, int height, std::vector<Corner>*
   });
 }
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb
 #endif  // HWY_ONCE

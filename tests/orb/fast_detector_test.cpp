@@ -1,4 +1,4 @@
-#include "features/fast_detector.h"
+#include "fast_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 bool operator==(const Corner& a, const Corner& b) {
   return std::tie(a.x, a.y, a.score) == std::tie(b.x, b.y, b.score);
@@ -172,4 +172,4 @@ TEST(FastDetector, FindsNothingInUniformOrTinyPictures) {
 }
 
 }  // namespace
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

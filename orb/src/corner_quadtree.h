@@ -5,9 +5,9 @@
 #include <tuple>
 #include <vector>
 
-#include "features/fast_detector.h"
+#include "fast_detector.h"
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 /// Thins corners out so that they spread evenly over a picture: splits it into quarters, the fullest first,
 /// until there are as many nodes as corners wanted, and keeps the strongest of every node. Keeps its buffers.
@@ -99,4 +99,4 @@ class CornerQuadtree {
   std::vector<Corner> kept_;
 };
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

@@ -1,4 +1,4 @@
-#include "features/hamming.h"
+#include "orb/hamming.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,14 +10,14 @@
 // The target with a popcnt of vectors, which Highway leaves out unless asked for.
 #define HWY_WANT_AVX3_DL
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "features/hamming.cpp"
+#define HWY_TARGET_INCLUDE "hamming.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target.h first, then highway.h
 #include <hwy/highway.h>
 
 #ifndef RUBBLE_SLAM_MONO_HAMMING_KEYS
 #define RUBBLE_SLAM_MONO_HAMMING_KEYS
-namespace rubble::slam_mono {
+namespace rubble::orb {
 
 /// A distance with its index behind it, so that the least key is the nearest and of equals the first.
 constexpr int kIndexBits = 23;
@@ -54,11 +54,11 @@ inline void consider(int index, int distance, NearestTwo* nearest) {
   }
 }
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace rubble::slam_mono::HWY_NAMESPACE {
+namespace rubble::orb::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -160,11 +160,11 @@ void nearestOfAll(std::span<const Descriptor> queries, std::span<const Descripto
 
 #endif
 
-}  // namespace rubble::slam_mono::HWY_NAMESPACE
+}  // namespace rubble::orb::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace rubble::slam_mono {
+namespace rubble::orb {
 namespace {
 
 HWY_EXPORT(nearestOfCandidates);
@@ -186,5 +186,5 @@ void nearestTwoOfAll(std::span<const Descriptor> queries, std::span<const Descri
   HWY_DYNAMIC_DISPATCH(nearestOfAll)(queries, descriptors, result);
 }
 
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb
 #endif  // HWY_ONCE

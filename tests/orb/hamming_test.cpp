@@ -1,4 +1,4 @@
-#include "features/hamming.h"
+#include "orb/hamming.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 namespace {
 
 int slowDistance(const Descriptor& a, const Descriptor& b) {
@@ -120,4 +120,4 @@ TEST(NearestTwoOfAllExtremes, KnowsTheLargestDistance) {
 TEST(NearestTwoOfAllExtremes, NeedsNoQueries) { nearestTwoOfAll({}, std::vector<Descriptor>(20), {}); }
 
 }  // namespace
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb

@@ -1,4 +1,4 @@
-#include "slam_mono/orb_extractor.h"
+#include "orb/orb_extractor.h"
 
 #include <gmock/gmock.h>
 
@@ -7,10 +7,10 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "features/hamming.h"
+#include "orb/hamming.h"
 #include "support/error_text.h"
 
-namespace rubble::slam_mono {
+namespace rubble::orb {
 namespace {
 
 using testing::HasSubstr;
@@ -262,4 +262,4 @@ TEST(OrbExtractor, RefusesImpossibleConfigurations) {
 }
 
 }  // namespace
-}  // namespace rubble::slam_mono
+}  // namespace rubble::orb
