@@ -6,6 +6,7 @@ std::optional<KeyframePoses::Located> KeyframePoses::locate(const AnchoredPose& 
   Pose3 T = pose.T_keyframe_camera;
   std::int32_t id = pose.keyframe_id;
   double scale = pose.keyframe_scale;
+  double growth = 1.0;
   // A removed keyframe hangs on an older one: the chain ends. Messages are not to be trusted with that.
   for (std::size_t steps = 0; steps <= keyframes_.size(); ++steps) {
     const auto found = keyframes_.find(id);
@@ -14,9 +15,10 @@ std::optional<KeyframePoses::Located> KeyframePoses::locate(const AnchoredPose& 
     }
     const Keyframe& keyframe = found->second;
     T.translation() *= keyframe.scale / scale;
+    growth *= keyframe.scale / scale;
     T = keyframe.T_parent_camera * T;
     if (keyframe.parent < 0) {
-      return Located{keyframe.map_id, T};
+      return Located{keyframe.map_id, T, growth};
     }
     id = keyframe.parent;
     scale = keyframe.parent_scale;

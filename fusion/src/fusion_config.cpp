@@ -49,6 +49,7 @@ void visit(common::ConfigSection& section, FusionConfig& config) {
   section.number(
       "restore_within", config.restore_within, "s", 0.0, 1e6,
       "age up to which a checkpoint is restored at start; an older one belongs to another mission");
+  visit(section.section("marks", "objects in the map"), config.marks);
 }
 
 }  // namespace rubble::fusion

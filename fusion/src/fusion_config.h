@@ -2,6 +2,7 @@
 
 #include "alignment.h"
 #include "common/config.h"
+#include "marks/object_marks.h"
 #include "plane_state.h"
 
 namespace rubble::fusion {
@@ -19,6 +20,7 @@ struct FusionConfig {
   double servo_lead = 0.03;   ///< s
   double checkpoint_period = 2.0;
   double restore_within = 120.0;
+  MarksConfig marks;
 };
 
 void visit(common::ConfigSection& section, FusionConfig& config);

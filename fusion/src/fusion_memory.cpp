@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/byte_stream.h"
+#include "marks/mark_bytes.h"
 
 namespace rubble::fusion {
 
@@ -13,7 +14,7 @@ using common::ByteReader;
 using common::ByteWriter;
 using common::Pose3;
 
-constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '1'};
+constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '2'};
 
 void putPose(ByteWriter& out, const Pose3& T) { out.putAll(std::span<const double>(T.matrix().data(), 16)); }
 
@@ -51,6 +52,7 @@ std::vector<std::uint8_t> serialise(const FusionMemory& memory) {
     out.put(map.scale_sigma);
     out.put(static_cast<std::uint8_t>(map.scale_known));
   }
+  putMarks(out, memory.marks, memory.next_mark_id);
   return std::move(out).sealed();
 }
 
@@ -85,6 +87,7 @@ FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes) {
       in.fail("a scale that is not positive");
     }
   }
+  getMarks(in, memory.marks, memory.next_mark_id);
   if (in.left() != 0) {
     in.fail("bytes beyond its end");
   }

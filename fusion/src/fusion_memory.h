@@ -7,6 +7,7 @@
 
 #include "alignment.h"
 #include "common/time.h"
+#include "marks/object_marks.h"
 #include "plane_state.h"
 
 namespace rubble::fusion {
@@ -35,6 +36,8 @@ struct FusionMemory {
   std::int64_t revision = 0;
   bool attitude_known = true;
   std::map<std::int32_t, MapAlignment> maps;
+  std::vector<Mark> marks;
+  std::int32_t next_mark_id = 1;
 };
 
 std::vector<std::uint8_t> serialise(const FusionMemory& memory);

@@ -25,6 +25,7 @@
 #include "lcm_io/channels.h"
 #include "lcm_io/conversions.h"
 #include "lcm_io/mono_map.h"
+#include "marks/mark_keeper.h"
 #include "path_publisher.h"
 #include "pose_fusion.h"
 
@@ -55,7 +56,9 @@ class FusionNode : public lcm_io::Node {
       : bus_(context.bus),
         times_(context.times),
         config_(context.config.read<FusionConfig>("fusion")),
-        fusion_(config_, context.config.read<common::RobotConfig>("robot")) {
+        robot_(context.config.read<common::RobotConfig>("robot")),
+        fusion_(config_, robot_),
+        keeper_(bus_, config_.marks, robot_, fusion_, keyframes_) {
     bus_.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose, [this](const auto& m) { onMonoPose(m); });
     bus_.subscribe<rubble::mono_map_t>(lcm_io::channel::kMonoMap, [this](const auto& m) { onMonoMap(m); });
     bus_.subscribe<rubble::lidar_pose_t>(lcm_io::channel::kLidarPose,
@@ -86,14 +89,14 @@ class FusionNode : public lcm_io::Node {
       publishCommand(now);
     }
     if (checkpoint_ && now - last_checkpoint_ >= common::utimeFromSeconds(config_.checkpoint_period)) {
-      checkpoint_->submit(serialise(fusion_.memory()));
+      checkpoint_->submit(serialise(memory()));
       last_checkpoint_ = now;
     }
   }
 
   void finish() override {
     if (checkpoint_ && started_) {
-      checkpoint_->submit(serialise(fusion_.memory()));
+      checkpoint_->submit(serialise(memory()));
     }
   }
 
@@ -103,7 +106,10 @@ class FusionNode : public lcm_io::Node {
                        {"poses_without_vision", counters_.blind},
                        {"switches", counters_.switches},
                        {"contradictions", contradicted_},
-                       {"alignments", counters_.alignments}};
+                       {"alignments", counters_.alignments},
+                       {"sightings", keeper_.sightings()},
+                       {"sightings_without_pose", keeper_.misses()},
+                       {"marks", static_cast<std::int64_t>(keeper_.marks().marks().size())}};
     if (!started_) {
       status.state = "waiting";
       status.level = NodeStatus::Level::kDegraded;
@@ -155,6 +161,13 @@ class FusionNode : public lcm_io::Node {
     std::int64_t poses = 0, blind = 0, switches = 0, alignments = 0;
   };
 
+  FusionMemory memory() const {
+    FusionMemory memory = fusion_.memory();
+    memory.marks = keeper_.marks().marks();
+    memory.next_mark_id = keeper_.marks().nextId();
+    return memory;
+  }
+
   /// Goes on from a checkpoint that is young enough.
   void restoreFresh(const std::filesystem::path& path) {
     const auto age = common::fileAge(path, bus_.now());
@@ -166,7 +179,9 @@ class FusionNode : public lcm_io::Node {
       return;
     }
     try {
-      fusion_.restore(parseFusionMemory(common::readFile(path)));
+      const FusionMemory memory = parseFusionMemory(common::readFile(path));
+      fusion_.restore(memory);
+      keeper_.restore(memory);
       noted_revision_ = fusion_.plane().revision();
       spdlog::info("restored from {}, {:.0f} s old", path.string(), *age);
     } catch (const common::Error& e) {
@@ -202,7 +217,9 @@ class FusionNode : public lcm_io::Node {
 
   void onMonoMap(const rubble::mono_map_t& m) {
     const lcm_io::StageTimer timer(times_, "alignment");
-    fusion_.addPictures(lcm_io::readMonoMap(m, keyframes_), keyframes_, m.revision);
+    const auto pictures = lcm_io::readMonoMap(m, keyframes_);
+    fusion_.addPictures(pictures, keyframes_, m.revision);
+    keeper_.addPictures(pictures, m.revision);
     ++counters_.alignments;
   }
 
@@ -254,6 +271,8 @@ class FusionNode : public lcm_io::Node {
     pose.level = kLevel;
     bus_.publish(lcm_io::channel::kRobotPose, pose);
     path_.add(pose);
+    keeper_.addState(state, kLevel);
+    keeper_.publish(state.utime);
     if (state.utime - last_path_ >= kPathPeriod) {
       bus_.publish(lcm_io::channel::kTrajectory, path_.next(state.utime));
       last_path_ = state.utime;
@@ -317,8 +336,10 @@ class FusionNode : public lcm_io::Node {
   lcm_io::Bus& bus_;
   lcm_io::StageTimes* times_;
   const FusionConfig config_;
+  const common::RobotConfig robot_;
   PoseFusion fusion_;
   common::KeyframePoses keyframes_;
+  MarkKeeper keeper_;
   PathPublisher path_;
   std::optional<common::CheckpointWriter> checkpoint_;
 

@@ -68,6 +68,8 @@ class PoseFusion {
                    std::int64_t revision);
 
   const PlaneState& plane() const { return plane_; }
+  /// Where the LiDAR sits on the camera, with the plate as it stood.
+  common::Pose3 T_camera_lidar(common::Utime utime) const;
   /// Set-points for `utime` from the state then.
   PlateAngles levelling(common::Utime utime) const;
 
@@ -91,7 +93,6 @@ class PoseFusion {
   void useLidar(const LidarMeasurement& lidar);
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
-  common::Pose3 T_camera_lidar(common::Utime utime) const;
   Plane planeOf(const common::Pose3& T_world_lidar) const;
   RobotState addTrack(const Track& track);
   /// Without vision the attitude stays known on level ground only.

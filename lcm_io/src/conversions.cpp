@@ -1,5 +1,7 @@
 #include "lcm_io/conversions.h"
 
+#include <cmath>
+
 #include "common/error.h"
 
 namespace rubble::lcm_io {
@@ -25,6 +27,22 @@ void poseToMessage(const common::Pose3& T, double* p, double* q) {
   q[1] = rotation.x();
   q[2] = rotation.y();
   q[3] = rotation.z();
+}
+
+common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_t& info) {
+  common::RobotConfig::Intrinsics intrinsics{info.width,     info.height,        info.rate_hz,
+                                             info.model,     {info.fx, info.fy}, {info.cx, info.cy},
+                                             info.distortion};
+  bool ok = info.width > 0 && info.height > 0 && info.fx > 0.0 && info.fy > 0.0;
+  for (const auto& values : {intrinsics.focal, intrinsics.centre, intrinsics.distortion}) {
+    for (const double value : values) {
+      ok = ok && std::isfinite(value);
+    }
+  }
+  if (!ok) {
+    throw common::Error("calibration with a size or focal length <= 0, or with values that are not finite");
+  }
+  return intrinsics;
 }
 
 }  // namespace rubble::lcm_io

@@ -10,22 +10,6 @@ namespace rubble::slam_mono {
 
 using rubble::mono_pose_t;
 
-common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_t& info) {
-  common::RobotConfig::Intrinsics intrinsics{info.width,     info.height,        info.rate_hz,
-                                             info.model,     {info.fx, info.fy}, {info.cx, info.cy},
-                                             info.distortion};
-  bool ok = info.width > 0 && info.height > 0 && info.fx > 0.0 && info.fy > 0.0;
-  for (const auto& values : {intrinsics.focal, intrinsics.centre, intrinsics.distortion}) {
-    for (const double value : values) {
-      ok = ok && std::isfinite(value);
-    }
-  }
-  if (!ok) {
-    throw common::Error("calibration with a size or focal length <= 0, or with values that are not finite");
-  }
-  return intrinsics;
-}
-
 rubble::mono_features_t featuresMessage(common::Utime utime, const orb::Features& features) {
   rubble::mono_features_t message;
   message.utime = utime;

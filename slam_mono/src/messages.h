@@ -1,21 +1,16 @@
 #pragma once
 
-#include <rubble/camera_info_t.hpp>
 #include <rubble/mono_features_t.hpp>
 #include <rubble/mono_keyframe_t.hpp>
 #include <rubble/mono_pose_t.hpp>
 #include <rubble/mono_removed_keyframe_t.hpp>
 
-#include "common/robot_config.h"
 #include "common/time.h"
 #include "map/map.h"
 #include "orb/features.h"
 #include "slam_mono/frame_result.h"
 
 namespace rubble::slam_mono {
-
-/// Throws common::Error for what no camera can have.
-common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_t& info);
 
 rubble::mono_features_t featuresMessage(common::Utime utime, const orb::Features& features);
 rubble::mono_pose_t poseMessage(const FrameResult& result);

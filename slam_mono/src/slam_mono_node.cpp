@@ -20,6 +20,7 @@
 #include "common/files.h"
 #include "common/robot_config.h"
 #include "lcm_io/channels.h"
+#include "lcm_io/conversions.h"
 #include "map/map_file.h"
 #include "messages.h"
 #include "mono_map_publisher.h"
@@ -222,7 +223,7 @@ void SlamMonoNode::count(const FrameResult& result) {
 }
 
 void SlamMonoNode::onCameraInfo(const rubble::camera_info_t& info) {
-  const Intrinsics heard = intrinsicsFromMessage(info);
+  const Intrinsics heard = lcm_io::intrinsicsFromMessage(info);
   if (!camera_) {
     start(heard, "CAMERA_INFO");
   } else if (!sameCamera(heard, *camera_)) {

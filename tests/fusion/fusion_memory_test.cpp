@@ -21,6 +21,15 @@ FusionMemory example() {
   memory.attitude_known = false;
   memory.maps[1] = {test::S_world_mono(), 0.01, true};
   memory.maps[2] = {};
+  Mark mark;
+  mark.id = 4;
+  mark.label = {"qr", "qr", "room 7"};
+  mark.state = MarkState::kDiscarded;
+  mark.by_operator = true;
+  mark.kept_views = {{}};
+  mark.seen_beside = {2, 3};
+  memory.marks = {mark};
+  memory.next_mark_id = 5;
   return memory;
 }
 
@@ -33,6 +42,10 @@ TEST(FusionMemory, ComesBackAsItWas) {
   EXPECT_FALSE(memory.attitude_known);
   EXPECT_DOUBLE_EQ(memory.maps.at(1).S_world_mono.scale, test::S_world_mono().scale);
   EXPECT_FALSE(memory.maps.at(2).scale_known);
+  ASSERT_EQ(memory.marks.size(), 1);
+  EXPECT_EQ(memory.marks.front().label, (ObjectLabel{"qr", "qr", "room 7"}));
+  EXPECT_EQ(memory.marks.front().state, MarkState::kDiscarded);
+  EXPECT_EQ(memory.next_mark_id, 5);
 }
 
 TEST(FusionMemory, DamageIsRefused) {

@@ -63,6 +63,30 @@ void drawPath(cv::Mat& picture, const common::Trajectory& path, const cv::Scalar
   cv::polylines(picture, points, false, colour, 1, cv::LINE_AA, kShift);
 }
 
+cv::Scalar colourOf(const rubble::object_t& object) {
+  if (object.kind == "victim") {
+    return {40, 40, 220};
+  }
+  return object.text.empty() ? cv::Scalar(0, 140, 255) : cv::Scalar(220, 120, 20);
+}
+
+template <typename Column, typename Row>
+void drawMarks(cv::Mat& picture, std::span<const rubble::object_t> objects, const Column& column,
+               const Row& row) {
+  for (const rubble::object_t& object : objects) {
+    if (object.state != rubble::object_t::STATE_CONFIRMED) {
+      continue;
+    }
+    const Eigen::Vector3d p(object.p_world_object[0], object.p_world_object[1], object.p_world_object[2]);
+    // Not so far away that its pixel would not fit an int.
+    const cv::Point at(static_cast<int>(std::clamp(column(p), -1e6, 1e6)),
+                       static_cast<int>(std::clamp(row(p), -1e6, 1e6)));
+    cv::circle(picture, at, 2, colourOf(object), cv::FILLED, cv::LINE_AA);
+    cv::putText(picture, std::to_string(object.id), at + cv::Point(3, -3), cv::FONT_HERSHEY_SIMPLEX, 0.3,
+                colourOf(object), 1, cv::LINE_AA);
+  }
+}
+
 void writeImage(const std::filesystem::path& path, const cv::Mat& image) {
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode(path.extension().string(), image, bytes)) {
@@ -92,7 +116,8 @@ void GridAssembly::add(const rubble::grid_map_t& message) {
 }
 
 void GridAssembly::write(const std::filesystem::path& stem, const common::Trajectory& T_world_lidar,
-                         const common::Trajectory& T_world_body) const {
+                         const common::Trajectory& T_world_body,
+                         std::span<const rubble::object_t> objects) const {
   std::int64_t min_x = std::numeric_limits<std::int32_t>::max();
   std::int64_t max_x = std::numeric_limits<std::int32_t>::min();
   for (const auto& [index, tile] : tiles_) {
@@ -142,6 +167,7 @@ void GridAssembly::write(const std::filesystem::path& stem, const common::Trajec
   };
   drawPath(picture, T_world_lidar, kPurple, column, row);
   drawPath(picture, T_world_body, kGreen, column, row);
+  drawMarks(picture, objects, column, row);
   if (!T_world_body.empty()) {
     double lowest = 0.0;
     double highest = 0.0;
@@ -157,6 +183,7 @@ void GridAssembly::write(const std::filesystem::path& stem, const common::Trajec
     const int floor = static_cast<int>(top / cell_size_);
     cv::line(front, {0, floor}, {front.cols, floor}, cv::Scalar::all(kUnknown));
     drawPath(front, T_world_body, kGreen, column, elevation);
+    drawMarks(front, objects, column, elevation);
     cv::vconcat(picture, front, picture);
   }
   writeImage(stem.string() + ".png", picture);

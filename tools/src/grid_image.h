@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <map>
 #include <rubble/grid_map_t.hpp>
+#include <rubble/object_t.hpp>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,10 +22,11 @@ class GridAssembly {
   bool empty() const { return tiles_.empty(); }
 
   /// Writes `stem`.pgm and `stem`.yaml as ROS' map_server reads them (white free, black occupied, grey
-  /// unknown; image row 0 is the largest y), and `stem`.png with the LiDAR's path drawn in purple and the
-  /// robot's in green; where there is one, its front view (x, z) stands below.
+  /// unknown; image row 0 is the largest y), and `stem`.png with the LiDAR's path drawn in purple, the
+  /// robot's in green and confirmed marks with their ids (victims red, hazards orange, codes blue); where
+  /// there is a path of the robot, its front view (x, z) stands below.
   void write(const std::filesystem::path& stem, const common::Trajectory& T_world_lidar,
-             const common::Trajectory& T_world_body) const;
+             const common::Trajectory& T_world_body, std::span<const rubble::object_t> objects) const;
 
  private:
   struct Tile {

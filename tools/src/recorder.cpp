@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <rubble/grid_map_t.hpp>
 
 #include "common/error.h"
@@ -19,6 +21,7 @@ namespace {
 constexpr std::array kStatusNames = {"good", "uncertain", "lost", "unmatched"};
 constexpr std::array kStateNames = {'H', 'M', 'R'};
 constexpr std::array kAttitudeNames = {"attitude_known", "attitude_unknown"};
+constexpr std::array kMarkStateNames = {"pending", "confirmed", "discarded"};
 constexpr std::array kMonoStateNames = {"initializing", "tracking", "lost"};
 
 template <typename Names>
@@ -34,6 +37,15 @@ std::string seconds(common::Utime utime) {
                      utime % common::kMicrosecondsPerSecond);
 }
 
+/// As CSV has it (RFC 4180).
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    result += c == '"' ? "\"\"" : std::string(1, c);
+  }
+  return result + "\"";
+}
+
 }  // namespace
 
 Recorder::Recorder(lcm_io::Bus& bus)
@@ -47,6 +59,8 @@ Recorder::Recorder(lcm_io::Bus& bus)
   bus.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose, [this](const auto& pose) { addPose(pose); });
   bus.subscribe<rubble::robot_pose_t>(lcm_io::channel::kRobotPose,
                                       [this](const auto& pose) { addPose(pose); });
+  bus.subscribe<rubble::objects_t>(lcm_io::channel::kObjects,
+                                   [this](const auto& objects) { objects_ = objects; });
   bus.subscribe<rubble::mono_map_t>(lcm_io::channel::kMonoMap,
                                     [this](const auto& map) { mono_path_.add(map); });
 }
@@ -107,6 +121,24 @@ void Recorder::writeMono(const std::filesystem::path& dir) const {
   }
 }
 
+void Recorder::writeObjects(const std::filesystem::path& path) const {
+  std::string csv =
+      "id,class,kind,text,state,by_operator,x,y,z,qw,qx,qy,qz,sigma_m,width,height,views,first_seen,last_"
+      "seen,level,"
+      "keyframe\n";
+  for (const rubble::object_t& o : objects_.objects) {
+    csv += fmt::format("{},{},{},{},{},{}", o.id, o.class_name, o.kind, quoted(o.text),
+                       nameOf(kMarkStateNames, o.state), o.by_operator);
+    csv += fmt::format(",{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{:.4f},{:.4f},{:.4f}",
+                       o.p_world_object[0], o.p_world_object[1], o.p_world_object[2], o.q_world_object[0],
+                       o.q_world_object[1], o.q_world_object[2], o.q_world_object[3],
+                       std::sqrt(o.covariance[0] + o.covariance[4] + o.covariance[8]), o.width, o.height);
+    csv += fmt::format(",{},{},{},{},{}\n", o.views, seconds(o.first_seen), seconds(o.last_seen), o.level,
+                       o.keyframe_id);
+  }
+  common::writeFileAtomically(path, csv);
+}
+
 void Recorder::write(const std::filesystem::path& dir) const {
   std::filesystem::create_directories(dir);
   common::writeTum(dir / "trajectory_lidar.tum", lidar_);
@@ -116,9 +148,13 @@ void Recorder::write(const std::filesystem::path& dir) const {
   common::writeTum(dir / "trajectory_fused.tum", fused_);
   common::writeTum(dir / "trajectory_fused_final.tum", fused_);
   common::writeFileAtomically(dir / "poses.csv", poses_csv_);
+  writeObjects(dir / "objects.csv");
   for (const auto& [level, grid] : levels_) {
     if (!grid.empty()) {
-      grid.write(dir / fmt::format("map_{}", level), lidar_, fused_);
+      std::vector<rubble::object_t> here;
+      std::copy_if(objects_.objects.begin(), objects_.objects.end(), std::back_inserter(here),
+                   [level = level](const rubble::object_t& object) { return object.level == level; });
+      grid.write(dir / fmt::format("map_{}", level), lidar_, fused_, here);
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <rubble/lidar_pose_t.hpp>
 #include <rubble/mono_pose_t.hpp>
+#include <rubble/objects_t.hpp>
 #include <rubble/robot_pose_t.hpp>
 #include <string>
 
@@ -15,7 +16,7 @@
 namespace rubble::tools {
 
 /// Keeps what the processes publish and writes it as the result files of `rubble replay`: trajectories as
-/// published and final, poses.csv, one map per level.
+/// published and final, poses.csv, objects.csv, one map per level.
 class Recorder {
  public:
   explicit Recorder(lcm_io::Bus& bus);
@@ -31,6 +32,7 @@ class Recorder {
   void addPose(const rubble::lidar_pose_t& pose);
   void addPose(const rubble::mono_pose_t& pose);
   void addPose(const rubble::robot_pose_t& pose);
+  void writeObjects(const std::filesystem::path& path) const;
   void writeMono(const std::filesystem::path& dir) const;
 
   common::Trajectory lidar_;
@@ -39,6 +41,7 @@ class Recorder {
   std::int64_t mono_pictures_ = 0;
   MonoPath mono_path_;
   std::map<std::int32_t, GridAssembly> levels_;
+  rubble::objects_t objects_;  // As last told.
   std::string poses_csv_;
 };
 

@@ -34,6 +34,7 @@ class KeyframePoses {
   struct Located {
     std::int32_t map_id = 0;
     Pose3 T_mono_camera;
+    double growth = 1.0;  ///< of the picture's surroundings by corrections since
   };
   /// Empty where a keyframe was never heard of.
   std::optional<Located> locate(const AnchoredPose& pose) const;

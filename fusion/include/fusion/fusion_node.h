@@ -10,7 +10,7 @@
 namespace rubble::fusion {
 
 /// The process rubble-fusion between the bus and PoseFusion: MONO_POSE, MONO_MAP, LIDAR_POSE and STABILIZER
-/// to ROBOT_POSE, FUSION_STATE, LIDAR_CONTROL and STABILIZER_COMMAND. Passive until the first MONO_POSE.
+/// to ROBOT_POSE, FUSION_STATE, LIDAR_CONTROL and STABILIZER_COMMAND; DETECTIONS to OBJECTS. Passive until the first MONO_POSE.
 /// Throws common::Error for a bad configuration.
 std::unique_ptr<lcm_io::Node> makeNode(const lcm_io::ProcessContext& context);
 

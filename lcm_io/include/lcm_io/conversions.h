@@ -1,6 +1,9 @@
 #pragma once
 
+#include <rubble/camera_info_t.hpp>
+
 #include "common/geometry.h"
+#include "common/robot_config.h"
 
 namespace rubble::lcm_io {
 
@@ -9,5 +12,8 @@ namespace rubble::lcm_io {
 common::Pose3 poseFromMessage(const double* p, const double* q);
 
 void poseToMessage(const common::Pose3& T, double* p, double* q);
+
+/// Throws Error for a calibration that is none.
+common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_t& info);
 
 }  // namespace rubble::lcm_io

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+
+#include "marks/sighting.h"
+
+namespace rubble::fusion {
+
+/// A bearing to an object, in world.
+struct MarkView {
+  Eigen::Vector3d p_world_camera = Eigen::Vector3d::Zero();
+  Eigen::Vector3d d_world = Eigen::Vector3d::UnitX();  ///< unit vector
+  double range = 0.0;                                  ///< m
+  double range_sigma = 0.0;                            ///< m; 0: no range
+};
+
+struct MarkPosition {
+  Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2
+};
+
+/// Robust least squares (Gauss-Newton, Huber) over bearings and ranges, at least one view. Where nothing
+/// tells the distance it is some metres, and the covariance says so.
+MarkPosition triangulate(std::span<const MarkView> views);
+
+}  // namespace rubble::fusion
