@@ -112,7 +112,8 @@ void GridSlam::State::match(const ScanInput& input, const common::Pose2& T_world
       tracking.T_world_lidar = found.match.T_world_lidar;
       tracking.expected_score = found.score;
     } else {
-      moveTo(settle(T_world_predicted, found.match.T_world_lidar), dt, found.match.sums.H);
+      moveTo(found.match.T_world_lidar, dt, found.match.sums.H);
+      watchStanding();
       tracking.unverified = std::max(0, tracking.unverified - 1);
     }
     tracking.lost = false;
@@ -140,23 +141,22 @@ void GridSlam::State::writeIfDue(const ScanInput& input, ScanResult& result) {
   if (std::max(tilt(input.attitude_first), tilt(input.attitude_last)) > config.map.max_tilt) {
     return;
   }
-  const common::Pose2 moved = tracking.T_world_written.inverse() * tracking.T_world_lidar;
-  const bool first = map.empty() && pending.empty();
+  const common::Pose2 moved = tracking.T_world_written.inverse() * pose();
   if (!young() && !tracking.write_next && moved.translation().norm() < config.map.write_distance &&
       std::abs(moved.yaw) < config.map.write_angle) {
     return;
   }
-  tracking.T_world_written = tracking.T_world_lidar;
+  tracking.T_world_written = pose();
   tracking.write_next = false;
-  // Nothing can be matched before the first scan is there: it isn't held.
-  if (input.hold_write && !first) {
+  // A map of one scan is too little to match with until the confirmation: the robot starts on the level.
+  if (input.hold_write && !young()) {
     if (pending.size() == kMaxPending) {
       pending.pop_front();
     }
-    pending.push_back({input.scan.utime, tracking.T_world_lidar, scan.rays});
+    pending.push_back({input.scan.utime, pose(), scan.rays});
     result.pending = true;
   } else {
-    map.write(tracking.T_world_lidar, scan.rays);
+    map.write(pose(), scan.rays);
     result.written = true;
   }
 }
@@ -208,7 +208,7 @@ ScanResult GridSlam::addScan(const ScanInput& input) {
     result.covariance *= 4.0;
   }
   s.writeIfDue(input, result);
-  result.T_world_lidar = s.tracking.T_world_lidar;
+  result.T_world_lidar = s.pose();
   return result;
 }
 
@@ -242,7 +242,7 @@ int GridSlam::discardPending(common::Utime from) {
 
 std::size_t GridSlam::pendingCount() const { return state_->pending.size(); }
 
-common::Pose2 GridSlam::pose() const { return state_->tracking.T_world_lidar; }
+common::Pose2 GridSlam::pose() const { return state_->pose(); }
 
 double GridSlam::cellSize() const { return state_->map.finest().cellSize(); }
 

@@ -10,7 +10,7 @@ namespace rubble::slam_lidar {
 namespace {
 
 /// The last character is the version.
-constexpr common::Magic kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '1'};
+constexpr common::Magic kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '2'};
 
 }  // namespace
 
@@ -30,6 +30,7 @@ std::vector<std::uint8_t> GridSlam::serialise() const {
   out.put(t.unverified);
   out.put(t.lost);
   out.put(t.write_next);
+  out.put(t.stands);
   state_->map.save(out);
   out.put(static_cast<std::uint64_t>(state_->pending.size()));
   for (const PendingScan& scan : state_->pending) {
@@ -63,6 +64,7 @@ GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::ui
   t.unverified = in.get<int>();
   t.lost = in.get<std::uint8_t>() != 0;
   t.write_next = in.get<std::uint8_t>() != 0;
+  t.stands = in.get<std::uint8_t>() != 0;
   state->map.load(in);
   state->pending.resize(in.getCount(sizeof(common::Utime) + sizeof(common::Pose2)));
   for (PendingScan& scan : state->pending) {

@@ -41,6 +41,7 @@ struct Tracking {
   int unverified = 0;  ///< good matches still needed before scans are written again
   bool lost = false;
   bool write_next = false;  ///< whatever the motion
+  bool stands = true;       ///< where the map began, T_world_written
 };
 
 struct GridSlam::State {
@@ -79,18 +80,29 @@ struct GridSlam::State {
       tracking.search_angle = config.search.wide_angle;
     }
     tracking.twist = {};
+    tracking.stands = false;
   }
   void moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d& H);
   /// While the map is of a few scans only, a low score says little and every scan is wanted.
-  bool young() const { return map.revision() + pending.size() < kYoungMap; }
-  /// In a map of one scan a wall is one row of cells, and a match is as good anywhere across them: what lies
-  /// about a cell's diagonal around the prediction is no news. Several scans smear the row, which tells where
-  /// in it the wall is.
-  common::Pose2 settle(const common::Pose2& T_world_predicted, const common::Pose2& T_world_matched) const {
-    const common::Pose2 moved = T_world_predicted.inverse() * T_world_matched;
-    const bool is_news =
-        moved.translation().norm() > 1.5 * map.finest().cellSize() || std::abs(moved.yaw) > kYoungAngle;
-    return map.revision() >= kYoungMap || is_news ? T_world_matched : T_world_predicted;
+  bool young() const { return map.revision() < kYoungMap; }
+  /// In a map of one scan a wall is one row of cells, and a match is as good anywhere across them: until it
+  /// finds the robot farther away than about a cell's diagonal, the robot stands where the map began. Several
+  /// scans from there smear the row, which tells where in it the wall is. Call it after every match.
+  void watchStanding() {
+    const common::Pose2 moved = tracking.T_world_written.inverse() * tracking.T_world_lidar;
+    tracking.stands = tracking.stands && moved.translation().norm() <= 1.5 * map.finest().cellSize() &&
+                      std::abs(moved.yaw) <= kYoungAngle;
+    if (tracking.stands) {
+      tracking.twist = {};
+    }
+    if (tracking.stands && !young()) {
+      tracking.T_world_lidar = tracking.T_world_written;
+      tracking.stands = false;
+    }
+  }
+  /// The pose as it is told and written.
+  const common::Pose2& pose() const {
+    return tracking.stands && !map.empty() ? tracking.T_world_written : tracking.T_world_lidar;
   }
   ScanMatch track(const ScanInput& input, const common::Pose2& T_world_predicted, double dt);
   ScanMatch searchLost(const common::Pose2& T_world_predicted);

@@ -21,10 +21,10 @@
 #include "common/robot_config.h"
 #include "lcm_io/channels.h"
 #include "lcm_io/conversions.h"
+#include "lcm_io/picture_decoder.h"
 #include "map/map_file.h"
 #include "messages.h"
 #include "mono_map_publisher.h"
-#include "picture_decoder.h"
 #include "slam_mono/live_mono_slam.h"
 #include "slam_mono/mono_slam.h"
 #include "slam_mono_config.h"
@@ -152,7 +152,7 @@ void SlamMonoNode::onPicture(const bot_core::image_t& picture) {
     throw common::Error(fmt::format("picture of {} x {} pixels, the calibration is for {} x {}",
                                     picture.width, picture.height, camera_->width, camera_->height));
   }
-  const cv::Mat grey = decodePicture(picture);
+  const cv::Mat grey = lcm_io::decodeGrey(picture);
   orb::Features features;
   {
     const lcm_io::StageTimer timer(times_, "extract");
