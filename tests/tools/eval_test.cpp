@@ -7,6 +7,7 @@
 #include <random>
 
 #include "eval_ate.h"
+#include "eval_crossings.h"
 #include "eval_map.h"
 #include "eval_relations.h"
 #include "map_file.h"
@@ -180,6 +181,27 @@ TEST(AteTest, TooLittleInCommonIsAnError) {
     pose.T_a_b.translation().setZero();
   }
   EXPECT_THAT(errorOf([&] { evaluateAte(still, truth, Alignment::kSim3, 0.1); }), HasSubstr("does not move"));
+}
+
+TEST(CrossingsTest, DriftAndScaleOfTheWaysInM) {
+  std::vector<StatedPose> fused;
+  common::Trajectory truth;
+  for (int i = 0; i < 400; ++i) {
+    // 2 cm a picture; a twentieth too long while in M, which lasts from 100 to 200 and from 300 to 302.
+    const bool m = (i >= 100 && i < 200) || (i >= 300 && i < 302);
+    common::StampedPose pose;
+    pose.utime = 1000 * i;
+    pose.T_a_b.translation().x() = 0.02 * i;
+    truth.push_back(pose);
+    pose.T_a_b.translation().x() += 0.001 * std::clamp(i - 100, 0, 99);
+    fused.push_back({pose, m ? 'M' : 'H'});
+  }
+  const auto crossings = findCrossings(fused, truth, 0.5);
+  ASSERT_EQ(crossings.size(), 1);
+  EXPECT_EQ(crossings.front().utime, 100'000);
+  EXPECT_NEAR(crossings.front().way_m, 2.0, 0.25);
+  EXPECT_NEAR(crossings.front().drift, 0.05, 0.01);
+  EXPECT_NEAR(crossings.front().scale_error, 0.05, 1e-6);
 }
 
 TEST(RelationsTest, TruthHasNoError) {

@@ -11,6 +11,7 @@
 #include "common/files.h"
 #include "common/robot_config.h"
 #include "eval_ate.h"
+#include "eval_crossings.h"
 #include "eval_map.h"
 #include "lcm_io/channels.h"
 #include "log_events.h"
@@ -26,8 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMaxGap = 0.1;         // s, between poses of the truth
-constexpr double kMapTolerance = 0.05;  // m
+constexpr double kMaxGap = 0.1;            // s, between poses of the truth
+constexpr double kMapTolerance = 0.05;     // m
+constexpr double kShortestCrossing = 0.5;  // m
 constexpr std::uint64_t kMostSeeds = 1000;
 
 std::uint64_t parseSeed(const std::string& text) {
@@ -161,6 +163,16 @@ Score scoreResults(const fs::path& results, const fs::path& mission, bool planar
     score.attitude_rmse_deg = ate.attitude_rmse_deg;
     const common::Trajectory pictures = common::readTum(truth / "camera.tum");
     score.coverage = pictures.empty() ? 0.0 : trackedShare(estimate, pictures);
+  }
+  const auto crossings = findCrossings(readFusedStates(results / "poses.csv"),
+                                       common::readTum(mission / "truth" / "body.tum"), kShortestCrossing);
+  if (!crossings.empty()) {
+    score.worst_drift = 0.0;
+    score.worst_scale_error = 0.0;
+  }
+  for (const Crossing& crossing : crossings) {
+    score.worst_drift = std::max(score.worst_drift, crossing.drift);
+    score.worst_scale_error = std::max(score.worst_scale_error, std::abs(crossing.scale_error));
   }
   const auto map = fs::exists(results / "map_0.yaml") ? readOccupiedCells(results / "map_0.yaml")
                                                       : std::vector<Eigen::Vector2d>();

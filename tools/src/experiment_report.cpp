@@ -24,7 +24,9 @@ constexpr std::array kColumns = {Column{"6D ATE RMSE m", &Score::ate_rmse_m, fal
                                  Column{"attitude RMSE deg", &Score::attitude_rmse_deg, false, 1.0, 2},
                                  Column{"pictures with a pose %", &Score::coverage, true, 100.0, 1},
                                  Column{"map precision", &Score::map_precision, true, 1.0, 3},
-                                 Column{"map recall", &Score::map_recall, true, 1.0, 3}};
+                                 Column{"map recall", &Score::map_recall, true, 1.0, 3},
+                                 Column{"worst drift in M %", &Score::worst_drift, false, 100.0, 1},
+                                 Column{"worst scale in M %", &Score::worst_scale_error, false, 100.0, 1}};
 
 std::string cell(const Column& column, double value) {
   return std::isfinite(value) ? fmt::format(" {:.{}f} |", column.factor * value, column.digits) : " none |";

@@ -28,6 +28,9 @@ struct Score {
   double coverage = 0.0;  // share of the pictures with a pose
   double map_precision = 0.0;
   double map_recall = 0.0;
+  /// Of the worst way that vision carried alone (half a metre or more); infinite where there was none.
+  double worst_drift = std::numeric_limits<double>::infinity();        // share of the way
+  double worst_scale_error = std::numeric_limits<double>::infinity();  // share
 };
 
 struct SeedScores {
