@@ -31,7 +31,7 @@ struct AlignmentConfig {
   double heading_sigma = 0.01;   ///< rad
   double floor_sigma = 0.05;     ///< m, height of the body over the level's floor; robust
   double level_sigma = 0.02;     ///< rad, tilt of the body on the level's floor; robust
-  double tilt_sigma = 0.01;      ///< rad, of the start's tilt
+  double tilt_sigma = 0.002;     ///< rad, by which gravity may turn from one estimate to the next
   double scale_sigma = 0.02;     ///< share by which the scale may differ from the last one's
 };
 
