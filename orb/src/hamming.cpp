@@ -80,6 +80,13 @@ NearestTwo nearestOfCandidates(const Descriptor& query, std::span<const Descript
   return nearest;
 }
 
+void distancesOf(const Descriptor& query, std::span<const Descriptor> descriptors,
+                 std::span<std::uint16_t> distances) {
+  for (std::size_t i = 0; i < descriptors.size(); ++i) {
+    distances[i] = static_cast<std::uint16_t>(distanceOf(query, descriptors[i]));
+  }
+}
+
 #if HWY_TARGET == HWY_SCALAR
 
 void nearestOfAll(std::span<const Descriptor> queries, std::span<const Descriptor> descriptors,
@@ -168,6 +175,7 @@ namespace rubble::orb {
 namespace {
 
 HWY_EXPORT(nearestOfCandidates);
+HWY_EXPORT(distancesOf);
 HWY_EXPORT(nearestOfAll);
 
 }  // namespace
@@ -177,6 +185,12 @@ int hammingDistance(const Descriptor& a, const Descriptor& b) { return countBits
 NearestTwo nearestTwo(const Descriptor& query, std::span<const Descriptor> descriptors,
                       std::span<const std::uint32_t> candidates) {
   return HWY_DYNAMIC_DISPATCH(nearestOfCandidates)(query, descriptors, candidates);
+}
+
+void hammingDistances(const Descriptor& query, std::span<const Descriptor> descriptors,
+                      std::span<std::uint16_t> distances) {
+  RUBBLE_CHECK(descriptors.size() == distances.size());
+  HWY_DYNAMIC_DISPATCH(distancesOf)(query, descriptors, distances);
 }
 
 void nearestTwoOfAll(std::span<const Descriptor> queries, std::span<const Descriptor> descriptors,

@@ -17,5 +17,9 @@ void addArenaCommand(CLI::App& app);
 void addExperimentCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);
 void addSpyCommand(CLI::App& app);
+void addTrainCommand(CLI::App& app);
+
+/// A subcommand of `rubble eval`.
+void addEvalObjects(CLI::App& parent);
 
 }  // namespace rubble::tools

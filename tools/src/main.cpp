@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   addExperimentCommand(app);
   addDoctorCommand(app);
   addSpyCommand(app);
+  addTrainCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -26,6 +26,10 @@ int hammingDistance(const Descriptor& a, const Descriptor& b);
 NearestTwo nearestTwo(const Descriptor& query, std::span<const Descriptor> descriptors,
                       std::span<const std::uint32_t> candidates);
 
+/// distances[i] of descriptors[i] from the query; sizes are equal.
+void hammingDistances(const Descriptor& query, std::span<const Descriptor> descriptors,
+                      std::span<std::uint16_t> distances);
+
 /// Exhaustive nearest neighbours: result[i] for queries[i] over all of `descriptors`; sizes of queries and
 /// result are equal. SIMD, chosen at run time.
 void nearestTwoOfAll(std::span<const Descriptor> queries, std::span<const Descriptor> descriptors,

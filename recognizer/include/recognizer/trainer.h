@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "recognizer/vocabulary.h"
+
+namespace rubble::recognizer {
+
+/// Learns a vocabulary from folders of sample pictures: in each a folder per class, or a picture per class,
+/// or both; what has one name in several folders is one class. `samples.yaml` in a folder may say more of its
+/// classes. Deterministic. Throws common::Error naming the folder, file or key and the fix.
+Vocabulary train(const std::vector<std::filesystem::path>& folders);
+
+}  // namespace rubble::recognizer

@@ -1,0 +1,177 @@
+#include "samples.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "common/error.h"
+#include "outlines.h"
+#include "sample_sheet.h"
+
+namespace rubble::recognizer {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kLongSide = 300;         // pixels that samples are kept at
+constexpr double kSmallestArea = 0.3;  // of the picture, for an outline in it to be the object's
+constexpr double kAlongBorder = 0.12;  // mean corner distance as a share of the side
+constexpr double kOpaque = 128.0;
+
+bool isPicture(const fs::path& path) {
+  std::string suffix = path.extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
+}
+
+std::vector<fs::path> sortedContent(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> content;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    content.push_back(entry.path());
+  }
+  if (error) {
+    throw common::Error(
+        fmt::format("{}: no folder of samples can be read here: {}", folder.string(), error.message()));
+  }
+  std::sort(content.begin(), content.end());
+  return content;
+}
+
+/// Corners begin nearest to the picture's top left.
+Quad canonical(const Quad& quad) {
+  int first = 0;
+  for (int i = 1; i < 4; ++i) {
+    const auto distance = [&](int k) {
+      return quad[static_cast<std::size_t>(k)].x + quad[static_cast<std::size_t>(k)].y;
+    };
+    if (distance(i) < distance(first)) {
+      first = i;
+    }
+  }
+  return turned(quad, first);
+}
+
+Quad wholeOf(const cv::Rect& area) {
+  const float left = static_cast<float>(area.x) - 0.5F;
+  const float top = static_cast<float>(area.y) - 0.5F;
+  const float right = left + static_cast<float>(area.width);
+  const float bottom = top + static_cast<float>(area.height);
+  return {cv::Point2f(left, top), {right, top}, {right, bottom}, {left, bottom}};
+}
+
+/// The largest outline within `whole` of at least a share of it. One that runs along its border is a line
+/// drawn on the object: the object is `whole`.
+Quad objectOutline(const cv::Mat& picture, const Quad& whole) {
+  double largest = kSmallestArea * areaOf(whole);
+  Quad result = whole;
+  for (const Outline& outline : findOutlines(picture, 0.3 * std::min(picture.rows, picture.cols))) {
+    if (areaOf(outline.quad) > largest) {
+      largest = areaOf(outline.quad);
+      result = canonical(outline.quad);
+    }
+  }
+  return distanceOf(result, whole) < kAlongBorder * std::sqrt(areaOf(whole)) ? whole : result;
+}
+
+SamplePicture readSample(const fs::path& path) {
+  cv::Mat picture = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+  if (picture.empty()) {
+    throw common::Error(
+        fmt::format("{}: this sample is no picture that can be read; replace or remove it", path.string()));
+  }
+  if (picture.depth() != CV_8U || std::min(picture.rows, picture.cols) < 24) {
+    throw common::Error(
+        fmt::format("{}: a sample has 8 bits per channel and at least 24 x 24 pixels, "
+                    "this one {} x {}",
+                    path.string(), picture.cols, picture.rows));
+  }
+  const double scale = static_cast<double>(kLongSide) / std::max(picture.rows, picture.cols);
+  cv::resize(picture, picture, cv::Size(), scale, scale, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  if (picture.channels() == 1) {
+    cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
+  }
+  if (picture.channels() == 3) {
+    return {picture, objectOutline(picture, wholeOf(cv::Rect({0, 0}, picture.size())))};
+  }
+  cv::Mat alpha;
+  cv::extractChannel(picture, alpha, 3);
+  const cv::Mat opaque = alpha >= kOpaque;
+  if (cv::countNonZero(opaque) == 0) {
+    throw common::Error(fmt::format("{}: this sample is transparent all over; replace it", path.string()));
+  }
+  cv::Mat bgr(picture.size(), CV_8UC3, cv::Scalar::all(255));
+  cv::Mat colours;
+  cv::cvtColor(picture, colours, cv::COLOR_BGRA2BGR);
+  colours.copyTo(bgr, opaque);
+  return {bgr, objectOutline(bgr, wholeOf(cv::boundingRect(opaque)))};
+}
+
+class Reader {
+ public:
+  void addFolder(const fs::path& folder) {
+    const std::size_t before = samples_.views.size();
+    for (const fs::path& path : sortedContent(folder)) {
+      if (fs::is_directory(path)) {
+        addClassFolder(path);
+      } else if (isPicture(path)) {
+        addView(path.stem().string(), path);
+      }
+    }
+    if (samples_.views.size() == before) {
+      throw common::Error(
+          fmt::format("{}: holds no sample: put pictures (png, jpg) or one folder of "
+                      "pictures per class there",
+                      folder.string()));
+    }
+    const fs::path sheet = folder / "samples.yaml";
+    if (fs::exists(sheet)) {
+      applySampleSheet(sheet, index_, &samples_.classes);
+    }
+  }
+  Samples take() && { return std::move(samples_); }
+
+ private:
+  void addClassFolder(const fs::path& folder) {
+    const std::size_t before = samples_.views.size();
+    for (const fs::path& path : sortedContent(folder)) {
+      if (isPicture(path)) {
+        addView(folder.filename().string(), path);
+      }
+    }
+    if (samples_.views.size() == before) {
+      throw common::Error(fmt::format(
+          "{}: this class holds no picture (png, jpg); add one or remove the folder", folder.string()));
+    }
+  }
+  void addView(const std::string& name, const fs::path& path) {
+    const auto [entry, is_new] = index_.emplace(name, static_cast<std::uint32_t>(samples_.classes.size()));
+    if (is_new) {
+      samples_.classes.push_back({.name = name, .aliases = {}});
+    }
+    samples_.views.push_back({entry->second, readSample(path)});
+  }
+
+  Samples samples_;
+  std::map<std::string, std::uint32_t> index_;  // by folder or file stem
+};
+
+}  // namespace
+
+Samples readSamples(const std::vector<fs::path>& folders) {
+  Reader reader;
+  for (const fs::path& folder : folders) {
+    reader.addFolder(folder);
+  }
+  return std::move(reader).take();
+}
+
+}  // namespace rubble::recognizer

@@ -1,0 +1,79 @@
+#include "recognizer/trainer.h"
+
+#include "outlines.h"
+#include "patch_descriptor.h"
+#include "rendering.h"
+#include "samples.h"
+#include "vocabulary_data.h"
+#include "word_trainer.h"
+
+namespace rubble::recognizer {
+
+namespace {
+
+constexpr int kSeed = 7;
+constexpr int kRenderings = 120;  // of every view
+constexpr int kClutterPatches = 6000;
+constexpr int kPatchesPerPicture = 24;
+constexpr int kPlacesPerPicture = 4;  // anywhere, besides outlines
+const cv::Size kClutterSize(480, 360);
+
+Eigen::MatrixXf describeRenderings(const SamplePicture& sample, cv::RNG* random) {
+  Eigen::MatrixXf rows(kRenderings, kPatchDimensions);
+  for (int i = 0; i < kRenderings; ++i) {
+    rows.row(i) = describePatch(renderPatch(sample, random)).transpose();
+  }
+  return rows;
+}
+
+Quad squareAnywhere(cv::RNG* random) {
+  const float side = random->uniform(20.0F, 90.0F);
+  const cv::RotatedRect square(
+      cv::Point2f(random->uniform(40.0F, static_cast<float>(kClutterSize.width) - 40.0F),
+                  random->uniform(40.0F, static_cast<float>(kClutterSize.height) - 40.0F)),
+      cv::Size2f(side, side), random->uniform(0.0F, 360.0F));
+  Quad quad;
+  square.points(quad.data());
+  return quad;
+}
+
+Eigen::MatrixXf describeClutter(cv::RNG* random) {
+  constexpr double kSmallestSide = 18.0;
+  Eigen::MatrixXf rows(kClutterPatches, kPatchDimensions);
+  Eigen::Index row = 0;
+  while (row < rows.rows()) {
+    const cv::Mat picture = renderClutter(kClutterSize, random);
+    std::vector<Quad> quads;
+    for (int i = 0; i < kPlacesPerPicture; ++i) {
+      quads.push_back(squareAnywhere(random));
+    }
+    for (const Outline& outline : findOutlines(picture, kSmallestSide)) {
+      quads.push_back(outline.quad);
+    }
+    quads.resize(std::min<std::size_t>(quads.size(), kPatchesPerPicture));
+    for (std::size_t i = 0; i < quads.size() && row < rows.rows(); ++i) {
+      const Quad quad = scaled(quads[i], random->uniform(0.95F, 1.2F));
+      rows.row(row++) = describePatch(rectified(picture, quad, kPatchSide)).transpose();
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+Vocabulary train(const std::vector<std::filesystem::path>& folders) {
+  const Samples samples = readSamples(folders);
+  VocabularyData data;
+  data.classes = samples.classes;
+  data.words = trainWords(samples);
+  cv::RNG random(kSeed);
+  std::vector<Eigen::MatrixXf> views;
+  for (const Samples::View& view : samples.views) {
+    data.view_classes.push_back(view.object_class);
+    views.push_back(describeRenderings(view.sample, &random));
+  }
+  data.appearance = trainAppearance(views, describeClutter(&random));
+  return Vocabulary(std::move(data));
+}
+
+}  // namespace rubble::recognizer

@@ -1,0 +1,158 @@
+#include "recognizer/vocabulary.h"
+
+#include "common/byte_stream.h"
+#include "common/error.h"
+#include "common/files.h"
+#include "vocabulary_data.h"
+
+namespace rubble::recognizer {
+
+namespace {
+
+constexpr common::Magic kMagic = {'R', 'B', 'V', 'O', 'C', '0', '0', '1'};
+
+void putText(const std::string& text, common::ByteWriter* writer) {
+  writer->put<std::uint64_t>(text.size());
+  writer->putAll(std::span(text.data(), text.size()));
+}
+
+std::string getText(common::ByteReader* reader) {
+  std::string text(reader->getCount(1), '\0');
+  reader->getAll(std::span(text.data(), text.size()));
+  return text;
+}
+
+template <typename T>
+void putList(const std::vector<T>& values, common::ByteWriter* writer) {
+  writer->put<std::uint64_t>(values.size());
+  writer->putAll(std::span<const T>(values));
+}
+
+template <typename T>
+std::vector<T> getList(common::ByteReader* reader) {
+  std::vector<T> values(reader->getCount(sizeof(T)));
+  reader->getAll(std::span<T>(values));
+  return values;
+}
+
+void putClass(const ObjectClass& object_class, common::ByteWriter* writer) {
+  putText(object_class.name, writer);
+  putText(object_class.kind, writer);
+  writer->put(object_class.width);
+  writer->put(object_class.height);
+  writer->put<std::uint64_t>(object_class.aliases.size());
+  for (const std::string& alias : object_class.aliases) {
+    putText(alias, writer);
+  }
+}
+
+ObjectClass getClass(common::ByteReader* reader) {
+  ObjectClass object_class;
+  object_class.name = getText(reader);
+  object_class.kind = getText(reader);
+  object_class.width = reader->get<double>();
+  object_class.height = reader->get<double>();
+  object_class.aliases.resize(reader->getCount(sizeof(std::uint64_t)));
+  for (std::string& alias : object_class.aliases) {
+    alias = getText(reader);
+  }
+  return object_class;
+}
+
+template <typename Matrix>
+void putMatrix(const Matrix& matrix, common::ByteWriter* writer) {
+  writer->putAll(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
+}
+
+template <typename Matrix>
+void getMatrix(common::ByteReader* reader, Matrix* matrix) {
+  if (static_cast<std::size_t>(matrix->size()) * sizeof(float) > reader->left()) {
+    reader->fail("truncated");
+  }
+  reader->getAll(std::span(matrix->data(), static_cast<std::size_t>(matrix->size())));
+}
+
+WordIndex getWords(common::ByteReader* reader) {
+  auto descriptors = getList<orb::Descriptor>(reader);
+  auto places = getList<WordPlace>(reader);
+  auto centres = getList<orb::Descriptor>(reader);
+  auto begins = getList<std::uint32_t>(reader);
+  return {std::move(descriptors), std::move(places), std::move(centres), std::move(begins)};
+}
+
+/// A checksum tells damage, not sense: what indexes something must be within it.
+bool isSound(const VocabularyData& data) {
+  const WordIndex& words = data.words;
+  const auto& begins = words.begins();
+  const auto in = [](std::uint32_t index, std::size_t size) { return index < size; };
+  return !data.classes.empty() && !data.view_classes.empty() &&
+         std::all_of(data.view_classes.begin(), data.view_classes.end(),
+                     [&](std::uint32_t c) { return in(c, data.classes.size()); }) &&
+         words.places().size() == words.size() && begins.size() == words.centres().size() + 1 &&
+         begins.front() == 0 && begins.back() == words.size() &&
+         std::is_sorted(begins.begin(), begins.end()) && words.centres().size() <= 0xFFFF &&
+         std::all_of(words.places().begin(), words.places().end(), [&](const WordPlace& place) {
+           return in(place.object_class, data.classes.size()) && in(place.view, data.view_classes.size());
+         });
+}
+
+}  // namespace
+
+Vocabulary::Vocabulary(VocabularyData data) : data_(std::make_shared<const VocabularyData>(std::move(data))) {
+  RUBBLE_CHECK(isSound(*data_));
+}
+
+Vocabulary Vocabulary::load(const std::filesystem::path& path) {
+  return parse(common::readFile(path), path.string());
+}
+
+Vocabulary Vocabulary::parse(std::span<const std::uint8_t> bytes, const std::string& thing) {
+  try {
+    common::ByteReader reader(bytes, thing);
+    reader.openSealed(kMagic, "a vocabulary");
+    VocabularyData data;
+    data.classes.resize(reader.getCount(sizeof(std::uint64_t)));
+    for (ObjectClass& object_class : data.classes) {
+      object_class = getClass(&reader);
+    }
+    data.view_classes = getList<std::uint32_t>(&reader);
+    data.words = getWords(&reader);
+    const auto views = static_cast<Eigen::Index>(data.view_classes.size());
+    data.appearance.clutter_mean.resize(kPatchDimensions);
+    data.appearance.whitening.resize(kPatchDimensions, kPatchDimensions);
+    data.appearance.views.resize(kPatchDimensions, views);
+    getMatrix(&reader, &data.appearance.clutter_mean);
+    getMatrix(&reader, &data.appearance.whitening);
+    getMatrix(&reader, &data.appearance.views);
+    if (reader.left() != 0 || !isSound(data)) {
+      reader.fail("its parts do not fit together");
+    }
+    return Vocabulary(std::move(data));
+  } catch (const common::Error& e) {
+    throw common::Error(std::string(e.what()) + "; make it anew with `rubble train`");
+  }
+}
+
+std::vector<std::uint8_t> Vocabulary::serialised() const {
+  common::ByteWriter writer;
+  writer.put(kMagic);
+  writer.put<std::uint64_t>(data_->classes.size());
+  for (const ObjectClass& object_class : data_->classes) {
+    putClass(object_class, &writer);
+  }
+  putList(data_->view_classes, &writer);
+  putList(data_->words.descriptors(), &writer);
+  putList(data_->words.places(), &writer);
+  putList(data_->words.centres(), &writer);
+  putList(data_->words.begins(), &writer);
+  putMatrix(data_->appearance.clutter_mean, &writer);
+  putMatrix(data_->appearance.whitening, &writer);
+  putMatrix(data_->appearance.views, &writer);
+  return std::move(writer).sealed();
+}
+
+const std::vector<ObjectClass>& Vocabulary::classes() const { return data_->classes; }
+std::size_t Vocabulary::viewCount() const { return data_->view_classes.size(); }
+std::size_t Vocabulary::wordCount() const { return data_->words.size(); }
+
+}  // namespace rubble::recognizer
