@@ -51,6 +51,7 @@ TEST(CommandTest, EveryCommandHasHelpWithAnExample) {
                                                           {"eval", "ate"},
                                                           {"eval", "relations"},
                                                           {"eval", "map"},
+                                                          {"eval", "marks"},
                                                           {"arena"},
                                                           {"experiment"},
                                                           {"doctor"},
@@ -94,6 +95,7 @@ TEST(CommandTest, BadInputIsStatus1AndOneLine) {
                                              {"eval", "ate", text, text, "--align", "sim3"},
                                              {"eval", "relations", text, text},
                                              {"eval", "map", text, text},
+                                             {"eval", "marks", dir.path(), text},
                                              {"doctor", "--log-dir", dir.path() / "none"}}) {
     const Outcome run = rubble(command);
     EXPECT_EQ(run.status, 1) << ::testing::PrintToString(command);

@@ -165,6 +165,7 @@ void addEvalCommand(CLI::App& app) {
   addAte(*command);
   addRelations(*command);
   addMap(*command);
+  addEvalMarksCommand(*command);
 }
 
 }  // namespace rubble::tools
