@@ -73,6 +73,8 @@ TEST(CommandTest, WrongUsageIsStatus2) {
                                              {"import", "carmen", "a.clf"},
                                              {"eval", "ate", "a", "b"},
                                              {"eval", "ate", "a", "b", "--align", "somehow"},
+                                             {"arena"},
+                                             {"arena", "--out", "a", "--samples", "b"},
                                              {"play"},
                                              {"play", "a.lcm", "--speed", "-1"}}) {
     const Outcome run = rubble(command);
