@@ -10,8 +10,10 @@
 #include "common/files.h"
 #include "config.h"
 #include "contact_sheet.h"
+#include "folders.h"
 #include "lcm_io/log_file.h"
 #include "mission_cache.h"
+#include "mission_world.h"
 #include "sensors/plate_controller.h"
 #include "simulation.h"
 #include "truth/top_view.h"
@@ -26,7 +28,6 @@ namespace fs = std::filesystem;
 constexpr int kOutputVersion = 1;
 
 constexpr std::uint32_t kControllerStream = 20;
-constexpr char kCalibration[] = "robot.yaml";
 
 MissionKind kindOf(const std::string& name) {
   if (name == "flat") {
@@ -51,27 +52,14 @@ void scalePictures(common::RobotConfig::Intrinsics& lens, double scale) {
   }
 }
 
-void createFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    throw common::Error(fmt::format("{}: cannot be created ({})", folder.string(), error.message()));
-  }
-}
-
 void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfig& config,
             const common::RobotConfig& calibration, const fs::path& out) {
-  WorldConfig world_config = config.world;
-  if (kind == MissionKind::kFlat) {
-    world_config.crossing = false;
-    world_config.ramp_fields = false;
-  }
-  const World world = makeWorld(world_config, options.seed);
+  const World world = makeMissionWorld(kind, config.world, options.seed);
   const Motion motion = planMission(world, kind, options.seed, options.duration_s, config.motion);
 
   lcm_io::LogWriter log(out / "mission.lcm");
   ContactSheet sheet(motion.duration());
-  const Robot robot = options.make_robot ? options.make_robot(out / kCalibration) : nullptr;
+  const Robot robot = options.make_robot ? options.make_robot(out / kCalibrationFile) : nullptr;
   std::optional<rubble::stabilizer_command_t> command;
   Simulation simulation(
       world, motion, config, calibration, options.seed, {options.with_camera, options.with_odometry},
@@ -149,8 +137,8 @@ void writeMission(const MissionOptions& options, const common::Config& config, c
   if (keeps && cache.fetch(out)) {
     return;
   }
-  common::writeFileAtomically(out / kCalibration, robot_yaml);
-  common::writeFileAtomically(out / "arena_sim.yaml", scenario_yaml);
+  common::writeFileAtomically(out / kCalibrationFile, robot_yaml);
+  common::writeFileAtomically(out / kScenarioFile, scenario_yaml);
   record(options, kind, scenario, robot, out);
   if (keeps) {
     cache.store(out);

@@ -51,6 +51,7 @@ TEST(CommandTest, EveryCommandHasHelpWithAnExample) {
                                                           {"eval", "ate"},
                                                           {"eval", "relations"},
                                                           {"eval", "map"},
+                                                          {"eval", "marks"},
                                                           {"arena"},
                                                           {"experiment"},
                                                           {"doctor"},
@@ -72,6 +73,8 @@ TEST(CommandTest, WrongUsageIsStatus2) {
                                              {"import", "carmen", "a.clf"},
                                              {"eval", "ate", "a", "b"},
                                              {"eval", "ate", "a", "b", "--align", "somehow"},
+                                             {"arena"},
+                                             {"arena", "--out", "a", "--samples", "b"},
                                              {"play"},
                                              {"play", "a.lcm", "--speed", "-1"}}) {
     const Outcome run = rubble(command);
@@ -94,6 +97,7 @@ TEST(CommandTest, BadInputIsStatus1AndOneLine) {
                                              {"eval", "ate", text, text, "--align", "sim3"},
                                              {"eval", "relations", text, text},
                                              {"eval", "map", text, text},
+                                             {"eval", "marks", dir.path(), text},
                                              {"doctor", "--log-dir", dir.path() / "none"}}) {
     const Outcome run = rubble(command);
     EXPECT_EQ(run.status, 1) << ::testing::PrintToString(command);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "arena_sim/mission.h"
+#include "arena_sim/samples.h"
 #include "closed_loop.h"
 #include "command.h"
 #include "common/error.h"
@@ -19,6 +20,7 @@ struct ArenaOptions {
   arena_sim::MissionOptions mission;
   double duration_s = 0.0;
   std::string out;
+  std::string samples;
   bool without_camera = false;
   bool without_odometry = false;
   bool without_cache = false;
@@ -28,6 +30,10 @@ struct ArenaOptions {
 };
 
 void runArena(const ArenaOptions& options) {
+  if (!options.samples.empty()) {
+    arena_sim::writeSamples(options.samples);
+    return;
+  }
   common::Config config;
   for (const std::string& file : options.config_files) {
     config.addFile(file);
@@ -94,11 +100,16 @@ void addArenaCommand(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--set", options->overrides, "One value, e.g. --set arena_sim.lidar.range_sigma=0.03")
       ->allow_extra_args(false);
-  command
-      ->add_option("--out", options->out,
-                   "Folder for mission.lcm, robot.yaml, truth/, preview.png and top_view.png")
-      ->required();
-  command->footer("Example:\n  rubble arena --mission rescue --seed 7 --out mission\n");
+  CLI::Option_group* result = command->add_option_group("Result", "One of");
+  result->add_option("--out", options->out,
+                     "Folder for mission.lcm, robot.yaml, truth/, preview.png and top_view.png");
+  result->add_option(
+      "--samples", options->samples,
+      "No mission: folder for sample pictures of hazard labels and victims, for `rubble train`");
+  result->require_option(1);
+  command->footer(
+      "Examples:\n  rubble arena --mission rescue --seed 7 --out mission\n  rubble arena --samples "
+      "samples\n");
   command->callback([options] { runArena(*options); });
 }
 

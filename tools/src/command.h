@@ -13,6 +13,7 @@ void addExportCommand(CLI::App& app);
 void addReplayCommand(CLI::App& app);
 void addPlayCommand(CLI::App& app);
 void addEvalCommand(CLI::App& app);
+void addEvalMarksCommand(CLI::App& eval);  // Of `rubble eval`.
 void addArenaCommand(CLI::App& app);
 void addExperimentCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);

@@ -166,6 +166,7 @@ void addEvalCommand(CLI::App& app) {
   addRelations(*command);
   addMap(*command);
   addEvalObjects(*command);
+  addEvalMarksCommand(*command);
 }
 
 }  // namespace rubble::tools

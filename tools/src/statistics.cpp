@@ -33,4 +33,15 @@ Statistics statisticsOf(std::vector<double> values) {
   return statistics;
 }
 
+double quantileOf(std::vector<double> values, double share) {
+  if (values.empty()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  std::sort(values.begin(), values.end());
+  const double place = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return std::lerp(values[below], values[above], place - static_cast<double>(below));
+}
+
 }  // namespace rubble::tools

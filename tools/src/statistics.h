@@ -15,4 +15,7 @@ struct Statistics {
 
 Statistics statisticsOf(std::vector<double> values);
 
+/// What this share of the values (0 .. 1) does not exceed, interpolated; NaN without any.
+double quantileOf(std::vector<double> values, double share);
+
 }  // namespace rubble::tools

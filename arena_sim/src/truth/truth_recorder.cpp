@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/files.h"
+#include "truth/object_table.h"
 #include "truth/wall_slice.h"
 
 namespace rubble::arena_sim {
@@ -27,14 +28,6 @@ std::vector<Segment> wallsOf(const World& world, double z) {
   std::vector<Segment> walls = sliceAt(world.scene, z);
   std::erase_if(walls, [&](const Segment& s) { return !arena.contains(s.a) || !arena.contains(s.b); });
   return walls;
-}
-
-std::string describe(const WorldObject& object) {
-  const Eigen::Vector3d p = object.T_world_object.translation();
-  const Eigen::Quaterniond q(object.T_world_object.linear());
-  return fmt::format("{},{},{},\"{}\",{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{:.4f},{:.4f}\n",
-                     object.id, object.object_class, object.kind, object.text, p.x(), p.y(), p.z(), q.w(),
-                     q.x(), q.y(), q.z(), object.size.x(), object.size.y());
 }
 
 /// In time's order; a stamp that two sensors share once.
@@ -120,11 +113,7 @@ void TruthRecorder::write(const std::filesystem::path& folder) const {
   common::writeFileAtomically(folder / "states.csv", states_);
   common::writeFileAtomically(folder / "map_0.pgm", map_.pgm());
   common::writeFileAtomically(folder / "map_0.yaml", map_.yaml("map_0.pgm"));
-  std::string objects = "id,class,kind,text,x,y,z,qw,qx,qy,qz,width,height\n";
-  for (const WorldObject& object : world_.objects) {
-    objects += describe(object);
-  }
-  common::writeFileAtomically(folder / "objects.csv", objects);
+  common::writeFileAtomically(folder / "objects.csv", objectTable(world_));
 }
 
 }  // namespace rubble::arena_sim

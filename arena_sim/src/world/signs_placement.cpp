@@ -171,7 +171,9 @@ class SignHanger {
 
   void addObject(const char* kind, int number, const std::string& object_class, const std::string& text,
                  const common::Pose3& T, const Vector2d& size) {
-    site_.objects.push_back({fmt::format("{}_{}", kind, number + 1), object_class, kind, text, T, size});
+    const Vector3d corner(0.5 * size.x(), 0.5 * size.y(), 0.0);
+    site_.objects.push_back({fmt::format("{}_{}", kind, number + 1), object_class, kind, text, T, size,
+                             Eigen::AlignedBox3d(-corner, corner)});
   }
 
   void addHazard(int number, const common::Pose3& T, const Vector2d& size) {

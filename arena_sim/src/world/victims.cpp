@@ -133,7 +133,15 @@ class VictimBuilder {
     victim.object_class = victim.kind = "victim";
     victim.T_world_object = common::pose3FromPose2(T_arena_victim, z);
     victim.size = {0.55, 0.35};
-    addVictim(site_.scene.surfaces, victim.T_world_object, random_.seed());
+    std::vector<Surface>& surfaces = site_.scene.surfaces;
+    const std::size_t first = surfaces.size();
+    addVictim(surfaces, victim.T_world_object, random_.seed());
+    const common::Pose3 T_object_arena = victim.T_world_object.inverse();
+    for (std::size_t i = first; i < surfaces.size(); ++i) {
+      for (const Surface::Vertex& vertex : surfaces[i].vertices) {
+        victim.bounds.extend(T_object_arena * vertex.p_world.cast<double>());
+      }
+    }
     site_.objects.push_back(victim);
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -23,6 +24,8 @@ struct WorldObject {
   /// Pictures: centre, x to the right, y up, z out of the wall. Victims: as addVictim.
   common::Pose3 T_world_object = common::Pose3::Identity();
   Eigen::Vector2d size = Eigen::Vector2d::Zero();  // m, width and height.
+  /// All of it, m in its own frame; flat for pictures.
+  Eigen::AlignedBox3d bounds;
 };
 
 /// The way over the high platform: from the ground up the steep ramp, a U-turn, and down the stairs.
