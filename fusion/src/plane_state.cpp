@@ -1,5 +1,6 @@
 #include "plane_state.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rubble::fusion {
@@ -8,6 +9,11 @@ namespace {
 
 /// A LiDAR that contradicts vision in R is believed after this many times the scans that show an attitude.
 constexpr int kInsist = 3;
+/// A body and a plane that vision sees tilted by no more than this (rad), and no more than this many times
+/// the band off their height, may as well be level: so far its attitude can be off. Not ramps.
+constexpr double kDoubtfulTilt = 0.12;
+constexpr double kDoubtfulBand = 1.4;
+constexpr double kDoubtAfter = 1.0;  // s in M
 
 }  // namespace
 
@@ -23,6 +29,11 @@ bool PlaneState::within(const Plane& plane, double share) const {
          (config_.mode == "lsm" || plane.tilt <= share * config_.largest_tilt);
 }
 
+bool PlaneState::doubtful(const Plane& plane) const {
+  return config_.mode != "lsm" && std::abs(plane.height) <= kDoubtfulBand * config_.height_band &&
+         std::max(plane.tilt, plane.body_tilt) <= kDoubtfulTilt;
+}
+
 void PlaneState::addPlane(common::Utime utime, const Plane& plane, bool attitude_known) {
   const bool robust = config_.mode != "lsm";
   const auto longer = [&](common::Utime since, double seconds) {
@@ -30,7 +41,7 @@ void PlaneState::addPlane(common::Utime utime, const Plane& plane, bool attitude
   };
   attitude_known_ = attitude_known || !robust;
   if (last_usable_ == 0) {
-    last_usable_ = last_unusable_ = utime;
+    last_usable_ = last_unusable_ = last_beyond_doubt_ = utime;
   }
   if (within(plane, 1.0)) {
     last_usable_ = utime;
@@ -38,16 +49,19 @@ void PlaneState::addPlane(common::Utime utime, const Plane& plane, bool attitude
   if (!usable(plane)) {
     last_unusable_ = utime;
   }
+  if (state_ != ControlState::kM || !doubtful(plane)) {
+    last_beyond_doubt_ = utime;
+  }
   if (!attitude_known_) {
     // The LiDAR is all there is: it goes on matching.
     if (state_ != ControlState::kR) {
       change(ControlState::kR);
     }
   } else if (state_ == ControlState::kM) {
-    if (longer(last_unusable_, config_.return_after)) {
+    if (longer(last_unusable_, config_.return_after) || (robust && longer(last_beyond_doubt_, kDoubtAfter))) {
       change(ControlState::kR);
     }
-  } else if (longer(last_usable_, config_.leave_after)) {
+  } else if (longer(last_usable_, config_.leave_after) && (state_ == ControlState::kH || !doubtful(plane))) {
     change(ControlState::kM);
   } else if (state_ == ControlState::kH && last_usable_ == utime) {
     confirmed_ = utime - common::utimeFromSeconds(config_.leave_after);

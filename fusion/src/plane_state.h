@@ -21,15 +21,18 @@ struct PlaneStateConfig {
   int contradictions = 12;
 };
 
-/// The LiDAR's plane: height (m) of its origin over where it is on the level's floor, tilt (rad).
+/// The LiDAR's plane: height (m) of its origin over where it is on the level's floor, tilt (rad); and the
+/// tilt of the body under it.
 struct Plane {
   double height = 0.0;
   double tilt = 0.0;
+  double body_tilt = 0.0;
 };
 
 /// Decides between H (the LiDAR's plane is usable), M (it is not) and R (it is again, to be verified).
 /// Mode `lsm`: eq. 10 of Chen et al. 2017, height alone, at once. Mode `lsm-robust`: height, tilt of the
-/// LiDAR's plane and agreement of the scans, with hysteresis in value and time.
+/// LiDAR's plane and agreement of the scans, with hysteresis in value and time; and a body that seems nearly
+/// level is no reason to stay in M: R asks the scans, for it may be vision that is wrong.
 class PlaneState {
  public:
   explicit PlaneState(const PlaneStateConfig& config) : config_(config) {}
@@ -57,6 +60,7 @@ class PlaneState {
 
  private:
   bool within(const Plane& plane, double share) const;
+  bool doubtful(const Plane& plane) const;
   void change(ControlState state);
 
   PlaneStateConfig config_;
@@ -65,8 +69,9 @@ class PlaneState {
   common::Utime confirmed_ = 0;
   common::Utime last_usable_ = 0;
   common::Utime last_unusable_ = 0;
-  int verified_ = 0;       // Scans in a row that agree.
-  int contradicting_ = 0;  // Scans in a row that do not.
+  common::Utime last_beyond_doubt_ = 0;  // Not in M, or there and clearly off the level.
+  int verified_ = 0;                     // Scans in a row that agree.
+  int contradicting_ = 0;                // Scans in a row that do not.
   int contradicted_ = 0;
   bool attitude_known_ = true;
 };

@@ -88,8 +88,10 @@ Pose3 PoseFusion::T_camera_lidar(Utime utime) const {
   return T_camera_body_ * robot_.T_body_plate(angles.x(), angles.y()) * robot_.lidar.pose();
 }
 
-Plane PoseFusion::planeOf(const Pose3& T_world_lidar) const {
-  return {T_world_lidar.translation().z() - robot_.lidarHeight(), tiltOf(T_world_lidar.linear())};
+Plane PoseFusion::planeOf(const Pose3& T_world_camera, Utime utime) const {
+  const Pose3 T_world_lidar = T_world_camera * T_camera_lidar(utime);
+  return {T_world_lidar.translation().z() - robot_.lidarHeight(), tiltOf(T_world_lidar.linear()),
+          tiltOf(T_world_camera.linear() * T_camera_body_.linear())};
 }
 
 bool PoseFusion::lidarMatches(Utime now) const { return last_lidar_ > 0 && now - last_lidar_ <= kSilence; }
@@ -205,8 +207,7 @@ RobotState PoseFusion::addTrack(const Track& track) {
   path_.add(track);
   watchAttitude();
   useWaiting();
-  plane_.addPlane(track.utime, planeOf(path_.last().T_world_camera * T_camera_lidar(track.utime)),
-                  attitude_known_);
+  plane_.addPlane(track.utime, planeOf(path_.last().T_world_camera, track.utime), attitude_known_);
   return state();
 }
 
@@ -217,14 +218,20 @@ void PoseFusion::watchAttitude() {
     return;
   }
   if (tiltOf(R_world_body) > kLevelGround || plane_.state() == ControlState::kM ||
-      !plane_.usable(planeOf(track.T_world_camera * T_camera_lidar(track.utime)))) {
+      !plane_.usable(planeOf(track.T_world_camera, track.utime))) {
     attitude_known_ = false;
   }
   if (!attitude_known_ && time_without_vision_ > kForgetTilt) {
-    const Matrix3d level = common::rotationFromRpy({0.0, 0.0, common::rpyFromRotation(R_world_body).yaw});
-    path_.correct(motionAbout(track.T_world_camera.translation(),
-                              rotationVector(level * R_world_body.transpose()), Vector3d::Zero()));
+    standLevel();
   }
+}
+
+void PoseFusion::standLevel() {
+  const Pose3& T_world_camera = path_.last().T_world_camera;
+  const Matrix3d R_world_body = T_world_camera.linear() * T_camera_body_.linear();
+  const Matrix3d level = common::rotationFromRpy({0.0, 0.0, common::rpyFromRotation(R_world_body).yaw});
+  path_.correct(motionAbout(T_world_camera.translation(), rotationVector(level * R_world_body.transpose()),
+                            Vector3d::Zero()));
 }
 
 RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
@@ -288,7 +295,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
     return;
   }
   const Pose3 T_predicted = *T_world_camera * T_camera_lidar(lidar.utime);
-  const Plane plane = planeOf(T_predicted);
+  const Plane plane = planeOf(*T_world_camera, lidar.utime);
   const bool usable = plane_.usable(plane);
   const Pose2 predicted = planar(T_predicted);
   const Eigen::Vector2d shift = lidar.T_world_lidar.translation() - predicted.translation();
@@ -298,14 +305,20 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   const bool wide = returns || !anchored_;
   const bool near = shift.norm() <= (wide ? kReturnWay : kJumpWay) + drift_ &&
                     std::abs(turn) <= (wide ? kReturnTurn : kJumpTurn);
-  const bool matched = lidar.good && usable;
-  const bool vision_was_wrong = plane_.addScan(!matched                   ? PlaneState::Scan::kUnmatched
-                                               : near || !visionCarries() ? PlaneState::Scan::kAgrees
-                                                                          : PlaneState::Scan::kContradicts);
+  // A plane that vision sees tilted is not confirmed by a match, but in R contradicted by it.
+  const bool agrees = near || !visionCarries();
+  const bool counts = lidar.good && (usable || (returns && !agrees));
+  const bool vision_was_wrong = plane_.addScan(!counts  ? PlaneState::Scan::kUnmatched
+                                               : agrees ? PlaneState::Scan::kAgrees
+                                                        : PlaneState::Scan::kContradicts);
   if (vision_was_wrong) {
-    // Its scale ran away, or it took one place for another: it is learnt anew.
+    // Its scale ran away, or it took one place for another: it is learnt anew, from level ground.
     maps_[map_id_].scale_known = false;
     window_.clear();
+    if (!usable) {
+      standLevel();
+      path_.correct(motionAbout(T_predicted.translation(), Vector3d::Zero(), {0.0, 0.0, -plane.height}));
+    }
   }
   const bool returned = returns && plane_.state() == ControlState::kH;
   if (returned) {

@@ -93,10 +93,12 @@ class PoseFusion {
   void useLidar(const LidarMeasurement& lidar);
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
-  Plane planeOf(const common::Pose3& T_world_lidar) const;
+  Plane planeOf(const common::Pose3& T_world_camera, common::Utime utime) const;
   RobotState addTrack(const Track& track);
   /// Without vision the attitude stays known on level ground only.
   void watchAttitude();
+  /// Turns the way so that the body stands level now.
+  void standLevel();
   RobotState state() const;
   /// Vision tells how far the robot moves.
   bool visionCarries() const;

@@ -62,8 +62,8 @@ TEST_F(PlaneStateTest, LeavesOnTiltAndComesBackVerified) {
 
 TEST_F(PlaneStateTest, TiltBetweenBothLimitsDoesNotChatter) {
   show(1.0, 0.0, 0.01);
-  show(0.5, 0.0, 1.1 * config_.largest_tilt);
-  const auto revision = state_.revision();
+  show(2.0, 0.0, 1.1 * config_.largest_tilt);
+  const auto revision = state_.revision();  // M, and R because so small a tilt may be an error.
   for (int i = 0; i < 20; ++i) {
     show(0.3, 0.0, 0.9 * config_.largest_tilt);
     show(0.3, 0.0, 1.1 * config_.largest_tilt);
@@ -75,6 +75,20 @@ TEST_F(PlaneStateTest, LeavesOnHeight) {
   show(1.0, 0.0, 0.0);
   show(0.4, 0.3, 0.0);
   EXPECT_EQ(state_.state(), ControlState::kM);
+}
+
+TEST_F(PlaneStateTest, AnAttitudeThatMayBeWrongIsHeldAgainstTheScans) {
+  show(1.0, 0.0, 0.0);
+  show(0.5, 0.1, 0.08);
+  ASSERT_EQ(state_.state(), ControlState::kM);
+  show(1.0, 0.1, 0.08);
+  EXPECT_EQ(state_.state(), ControlState::kR) << "a body nearly level: no ramp, perhaps a wrong attitude";
+  show(5.0, 0.1, 0.08);
+  EXPECT_EQ(state_.state(), ControlState::kR) << "until the scans decide";
+  show(0.1, 0.1, 0.2);
+  EXPECT_EQ(state_.state(), ControlState::kM);
+  show(5.0, 0.5, 0.0);
+  EXPECT_EQ(state_.state(), ControlState::kM) << "a platform";
 }
 
 TEST_F(PlaneStateTest, ContradictionLeadsToM) {
