@@ -33,8 +33,8 @@ struct Code {
 };
 
 /// Reads QR codes (zxing-cpp) and AprilTags of the family Standard41h12 (Krogius, Haggenmiller, Olson:
-/// Flexible layouts for fiducial tags, IROS 2019; libapriltag). All that are in the picture; in one thread.
-/// The same picture gives the same codes.
+/// Flexible layouts for fiducial tags, IROS 2019; libapriltag). All that are in the picture. The same
+/// picture gives the same codes. One thread, provided that cv::setNumThreads() leaves OpenCV no more.
 class CodeReader {
  public:
   explicit CodeReader(const CodeConfig& config = {});

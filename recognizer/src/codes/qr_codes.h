@@ -7,8 +7,8 @@
 
 namespace rubble::recognizer {
 
-/// Appends the QR codes of a picture (8UC1); those of the picture `enlarge` times as large, too, unless it
-/// is 1.
+/// Appends the QR codes of a picture (8UC1), and those of the same sharpened and `enlarge` times as large,
+/// unless it is 1.
 void readQrCodes(const cv::Mat& grey, double enlarge, std::vector<Code>& codes);
 
 }  // namespace rubble::recognizer

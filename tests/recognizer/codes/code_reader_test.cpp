@@ -109,13 +109,13 @@ TEST(CodeReaderTest, TagsTurnedAndNoisy) {
   }
 }
 
-TEST(CodeReaderTest, ReadsModulesOfTwoPixels) {
+TEST(CodeReaderTest, ReadsSmallModules) {
   CodeReader reader;
   const cv::Mat qr = arena_sim::drawQrCode(kText, 660);
   const cv::Mat tag = arena_sim::drawAprilTag(7, 660);
   for (int degrees = 0; degrees < 90; degrees += 15) {
     const double angle = degrees / 180.0 * std::numbers::pi;
-    EXPECT_EQ(reader.read(View(qr, angle, 2.2 * kQrModules).grey).size(), 1U) << degrees;
+    EXPECT_EQ(reader.read(View(qr, angle, 1.6 * kQrModules).grey).size(), 1U) << degrees;
     EXPECT_EQ(reader.read(View(tag, angle, 2.6 * arena_sim::kTagModules).grey).size(), 1U) << degrees;
   }
 }
