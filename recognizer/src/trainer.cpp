@@ -12,15 +12,13 @@ namespace rubble::recognizer {
 namespace {
 
 constexpr int kSeed = 7;
-constexpr int kRenderings = 120;  // of every view
-constexpr int kClutterPatches = 6000;
 constexpr int kPatchesPerPicture = 24;
 constexpr int kPlacesPerPicture = 4;  // anywhere, besides outlines
 const cv::Size kClutterSize(480, 360);
 
-Eigen::MatrixXf describeRenderings(const SamplePicture& sample, cv::RNG* random) {
-  Eigen::MatrixXf rows(kRenderings, kPatchDimensions);
-  for (int i = 0; i < kRenderings; ++i) {
+Eigen::MatrixXf describeRenderings(const SamplePicture& sample, int count, cv::RNG* random) {
+  Eigen::MatrixXf rows(count, kPatchDimensions);
+  for (int i = 0; i < count; ++i) {
     rows.row(i) = describePatch(renderPatch(sample, random)).transpose();
   }
   return rows;
@@ -37,9 +35,9 @@ Quad squareAnywhere(cv::RNG* random) {
   return quad;
 }
 
-Eigen::MatrixXf describeClutter(cv::RNG* random) {
+Eigen::MatrixXf describeClutter(int count, cv::RNG* random) {
   constexpr double kSmallestSide = 18.0;
-  Eigen::MatrixXf rows(kClutterPatches, kPatchDimensions);
+  Eigen::MatrixXf rows(count, kPatchDimensions);
   Eigen::Index row = 0;
   while (row < rows.rows()) {
     const cv::Mat picture = renderClutter(kClutterSize, random);
@@ -61,7 +59,7 @@ Eigen::MatrixXf describeClutter(cv::RNG* random) {
 
 }  // namespace
 
-Vocabulary train(const std::vector<std::filesystem::path>& folders) {
+Vocabulary train(const std::vector<std::filesystem::path>& folders, const TrainerConfig& config) {
   const Samples samples = readSamples(folders);
   VocabularyData data;
   data.classes = samples.classes;
@@ -70,9 +68,9 @@ Vocabulary train(const std::vector<std::filesystem::path>& folders) {
   std::vector<Eigen::MatrixXf> views;
   for (const Samples::View& view : samples.views) {
     data.view_classes.push_back(view.object_class);
-    views.push_back(describeRenderings(view.sample, &random));
+    views.push_back(describeRenderings(view.sample, config.renderings, &random));
   }
-  data.appearance = trainAppearance(views, describeClutter(&random));
+  data.appearance = trainAppearance(views, describeClutter(config.clutter, &random));
   return Vocabulary(std::move(data));
 }
 

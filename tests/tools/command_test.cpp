@@ -51,10 +51,12 @@ TEST(CommandTest, EveryCommandHasHelpWithAnExample) {
                                                           {"eval", "ate"},
                                                           {"eval", "relations"},
                                                           {"eval", "map"},
+                                                          {"eval", "objects"},
                                                           {"arena"},
                                                           {"experiment"},
                                                           {"doctor"},
-                                                          {"spy"}};
+                                                          {"spy"},
+                                                          {"train"}};
   for (std::vector<std::string> command : commands) {
     command.emplace_back("--help");
     const Outcome run = rubble(command);
