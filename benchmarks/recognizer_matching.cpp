@@ -71,7 +71,7 @@ Words makeWords(int samples, int views, int words) {
   return result;
 }
 
-/// 1000 features of a camera's picture: half of samples seen otherwise, half of what is none.
+/// 1000 features of a camera's picture: most of samples seen otherwise, others of what is none.
 std::vector<orb::Descriptor> makeQueries(int samples) {
   orb::OrbExtractor extractor({.features = 1400});
   std::vector<orb::Descriptor> queries;
@@ -80,8 +80,8 @@ std::vector<orb::Descriptor> makeQueries(int samples) {
       queries.push_back(features.descriptors[i]);
     }
   };
-  for (int i = 0; queries.size() < 500; ++i) {
-    add(featuresOf(makeSample(i * 7 % samples), 172, 0.2, 2.0, 5.0, &extractor), 500);
+  for (int i = 0; queries.size() < 700; ++i) {
+    add(featuresOf(makeSample(i * 7 % samples), 164, 0.05, 2.0, 4.0, &extractor), 700);
   }
   for (int i = 0; queries.size() < 1000; ++i) {
     add(featuresOf(makeSample(1'000'000 + i), 172, 0.2, 2.0, 5.0, &extractor), 1000);

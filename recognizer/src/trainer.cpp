@@ -1,5 +1,7 @@
 #include "recognizer/trainer.h"
 
+#include <algorithm>
+
 #include "outlines.h"
 #include "patch_descriptor.h"
 #include "rendering.h"
@@ -57,6 +59,18 @@ Eigen::MatrixXf describeClutter(int count, cv::RNG* random) {
   return rows;
 }
 
+/// The score that one in a hundred of patches reaches.
+float highScore(const Eigen::MatrixXf& patches, const AppearanceModel& model,
+                const std::vector<std::uint32_t>& view_classes) {
+  std::vector<float> scores;
+  for (Eigen::Index i = 0; i < patches.rows(); ++i) {
+    scores.push_back(judge(model.likenesses(patches.row(i).transpose()), view_classes).score);
+  }
+  const auto high = scores.begin() + static_cast<std::ptrdiff_t>(scores.size() * 99 / 100);
+  std::nth_element(scores.begin(), high, scores.end());
+  return *high;
+}
+
 }  // namespace
 
 Vocabulary train(const std::vector<std::filesystem::path>& folders, const TrainerConfig& config) {
@@ -71,6 +85,8 @@ Vocabulary train(const std::vector<std::filesystem::path>& folders, const Traine
     views.push_back(describeRenderings(view.sample, config.renderings, &random));
   }
   data.appearance = trainAppearance(views, describeClutter(config.clutter, &random));
+  data.appearance.clutter_score =
+      highScore(describeClutter(config.clutter / 3, &random), data.appearance, data.view_classes);
   return Vocabulary(std::move(data));
 }
 
