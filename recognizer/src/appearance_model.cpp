@@ -1,6 +1,7 @@
 #include "appearance_model.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 namespace rubble::recognizer {
 
@@ -54,6 +55,21 @@ std::vector<AppearanceModel::Likeness> AppearanceModel::likenesses(const PatchDe
     difference = turned(difference);
   }
   return best;
+}
+
+Verdict judge(const std::vector<AppearanceModel::Likeness>& likenesses,
+              const std::vector<std::uint32_t>& view_classes) {
+  constexpr float kMarginWeight = 0.5F;
+  const auto best = std::max_element(likenesses.begin(), likenesses.end(),
+                                     [](const auto& a, const auto& b) { return a.value < b.value; });
+  const auto view = static_cast<std::size_t>(best - likenesses.begin());
+  float second = -1.0F;
+  for (std::size_t i = 0; i < likenesses.size(); ++i) {
+    if (view_classes[i] != view_classes[view]) {
+      second = std::max(second, likenesses[i].value);
+    }
+  }
+  return {view, best->value + kMarginWeight * (best->value - second)};
 }
 
 AppearanceModel trainAppearance(const std::vector<Eigen::MatrixXf>& views, const Eigen::MatrixXf& clutter) {

@@ -16,6 +16,8 @@ struct AppearanceModel {
   PatchDescriptor clutter_mean;
   /// Lower triangular; maps a descriptor, less the mean, to white space.
   Eigen::MatrixXf whitening;
+  /// The score (see judge()) that one in a hundred patches of clutter reaches: with more views it is higher.
+  float clutter_score = 0;
   /// A column per view; the cosine's numerator is its product with a descriptor less the mean.
   Eigen::MatrixXf views;
 
@@ -26,6 +28,15 @@ struct AppearanceModel {
   /// Best over the four ways to turn the patch, for every view.
   std::vector<Likeness> likenesses(const PatchDescriptor& patch) const;
 };
+
+/// What likenesses to the views of several classes amount to.
+struct Verdict {
+  std::size_t view = 0;  ///< the most alike
+  float score = 0;       ///< its likeness, and by how much it is ahead of every other class
+};
+/// `view_classes`: of at least one view.
+Verdict judge(const std::vector<AppearanceModel::Likeness>& likenesses,
+              const std::vector<std::uint32_t>& view_classes);
 
 /// `views`: for every view, descriptors of renderings of it, one per row; `clutter`: of what is no view.
 AppearanceModel trainAppearance(const std::vector<Eigen::MatrixXf>& views, const Eigen::MatrixXf& clutter);

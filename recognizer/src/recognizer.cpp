@@ -18,15 +18,9 @@ namespace {
 /// Outlines are often a line drawn inside a label's border: patches are cut at both sizes.
 constexpr std::array kSizes = {1.0F, 1.12F};
 constexpr double kSharpSide = 70.0;  // px; smaller ones are cut from the larger picture
-constexpr float kMarginWeight = 0.5F;
 // Of one object, of two detections' bounding rectangles.
 constexpr double kOverlap = 0.3;
 constexpr double kContainment = 0.6;
-
-struct Candidate {
-  Quad quad;
-  std::optional<Hypothesis> hypothesis;
-};
 
 struct Found {
   Quad quad;
@@ -75,16 +69,16 @@ struct Recognizer::State {
   std::shared_ptr<const Vocabulary> vocabulary;
   std::vector<WordMatch> matches;
 
-  std::vector<Candidate> findCandidates(const orb::Features& features, const cv::Mat& picture) {
+  std::vector<Quad> findCandidates(const orb::Features& features, const cv::Mat& picture) {
     const WordIndex& words = vocabulary->data().words;
     matches.resize(features.size());
     words.match(features.descriptors, config.distance, matches);
-    std::vector<Candidate> candidates;
+    std::vector<Quad> candidates;
     for (const Hypothesis& hypothesis : findHypotheses(features, matches, words, config)) {
-      candidates.push_back({hypothesis.quad, hypothesis});
+      candidates.push_back(hypothesis.quad);
     }
     for (const Outline& outline : findOutlines(picture, config.smallest_side)) {
-      candidates.push_back({outline.quad, std::nullopt});
+      candidates.push_back(outline.quad);
     }
     candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(config.candidates)));
     return candidates;
@@ -108,29 +102,18 @@ struct Recognizer::State {
     return best;
   }
 
-  std::optional<Found> lookAt(const Candidate& candidate, const Pictures& pictures) const {
+  std::optional<Found> lookAt(const Quad& candidate, const Pictures& pictures) const {
     const VocabularyData& data = vocabulary->data();
     std::vector<float> sizes;
-    const auto likenesses = likenessesOf(candidate.quad, pictures, &sizes);
-    const auto best = static_cast<std::size_t>(
-        std::max_element(likenesses.begin(), likenesses.end(),
-                         [](const auto& a, const auto& b) { return a.value < b.value; }) -
-        likenesses.begin());
+    const auto likenesses = likenessesOf(candidate, pictures, &sizes);
+    const Verdict verdict = judge(likenesses, data.view_classes);
+    const std::size_t best = verdict.view;
     const std::uint32_t object_class = data.view_classes[best];
-    float second = -1.0F;
-    for (std::size_t i = 0; i < likenesses.size(); ++i) {
-      if (data.view_classes[i] != object_class) {
-        second = std::max(second, likenesses[i].value);
-      }
-    }
-    const float value = likenesses[best].value;
-    const float score = value + kMarginWeight * (value - second);
-    const bool is_matched =
-        candidate.hypothesis && data.view_classes[candidate.hypothesis->view] == object_class;
-    if (static_cast<double>(score) < (is_matched ? config.score_with_matches : config.score)) {
+    const float score = verdict.score - data.appearance.clutter_score;
+    if (static_cast<double>(score) < config.score) {
       return std::nullopt;
     }
-    return Found{turned(scaled(candidate.quad, sizes[best]), likenesses[best].quarters), object_class, score};
+    return Found{turned(scaled(candidate, sizes[best]), likenesses[best].quarters), object_class, score};
   }
 
   Detection detectionOf(const Found& found) const {
@@ -154,7 +137,7 @@ Recognizer& Recognizer::operator=(Recognizer&&) noexcept = default;
 std::vector<Detection> Recognizer::recognise(const orb::Features& features, const cv::Mat& picture) {
   const Pictures pictures = picturesOf(picture, features);
   std::vector<Found> found;
-  for (const Candidate& candidate : state_->findCandidates(features, pictures.small)) {
+  for (const Quad& candidate : state_->findCandidates(features, pictures.small)) {
     if (const auto object = state_->lookAt(candidate, pictures)) {
       found.push_back(*object);
     }

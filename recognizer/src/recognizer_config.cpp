@@ -10,10 +10,9 @@ void visit(common::ConfigSection& section, RecognizerConfig& config) {
   section.number("reprojection", config.reprojection, "px", 0.5, 50.0, "of a match under the homography");
   section.integer("candidates", config.candidates, "", 0, 10000, "looked at closer in one picture");
   section.number("smallest_side", config.smallest_side, "px", 8.0, 1000.0, "of an outline that is looked at");
-  section.number("score", config.score, "", 0.0, 1.0,
-                 "likeness to a sample from which on an object is reported");
-  section.number("score_with_matches", config.score_with_matches, "", 0.0, 1.0,
-                 "the same where matched features say so too");
+  section.number(
+      "score", config.score, "", 0.0, 1.0,
+      "from which on an object is reported: above what one in a hundred patches of clutter reaches");
 }
 
 }  // namespace rubble::recognizer

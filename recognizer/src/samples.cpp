@@ -8,6 +8,7 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
 
 #include "common/error.h"
@@ -22,8 +23,10 @@ namespace {
 
 constexpr int kLongSide = 300;         // pixels that samples are kept at
 constexpr double kSmallestArea = 0.3;  // of the picture, for an outline in it to be the object's
+constexpr double kLongestRatio = 2.0;  // longest to shortest side
 constexpr double kAlongBorder = 0.12;  // mean corner distance as a share of the side
 constexpr double kOpaque = 128.0;
+constexpr double kRoundedCorners = 0.02;  // share of a picture that may be transparent all the same
 
 bool isPicture(const fs::path& path) {
   std::string suffix = path.extension().string();
@@ -68,18 +71,66 @@ Quad wholeOf(const cv::Rect& area) {
   return {cv::Point2f(left, top), {right, top}, {right, bottom}, {left, bottom}};
 }
 
-/// The largest outline within `whole` of at least a share of it. One that runs along its border is a line
-/// drawn on the object: the object is `whole`.
-Quad objectOutline(const cv::Mat& picture, const Quad& whole) {
-  double largest = kSmallestArea * areaOf(whole);
-  Quad result = whole;
-  for (const Outline& outline : findOutlines(picture, 0.3 * std::min(picture.rows, picture.cols))) {
-    if (areaOf(outline.quad) > largest) {
-      largest = areaOf(outline.quad);
-      result = canonical(outline.quad);
+/// The object cut out of its background (Rother et al., "GrabCut", SIGGRAPH 2004), which shows in the
+/// picture's corners beside a diamond.
+cv::Mat cutOut(const cv::Mat& picture) {
+  cv::Mat labels(picture.size(), CV_8UC1);
+  for (int y = 0; y < labels.rows; ++y) {
+    for (int x = 0; x < labels.cols; ++x) {
+      const double u = std::abs(2.0 * x / labels.cols - 1.0);
+      const double v = std::abs(2.0 * y / labels.rows - 1.0);
+      labels.at<std::uint8_t>(y, x) = u + v > 1.75 ? cv::GC_BGD : u + v < 0.8 ? cv::GC_PR_FGD : cv::GC_PR_BGD;
     }
   }
-  return distanceOf(result, whole) < kAlongBorder * std::sqrt(areaOf(whole)) ? whole : result;
+  cv::Mat background;
+  cv::Mat foreground;
+  cv::setRNGSeed(0);
+  cv::grabCut(picture, labels, {}, background, foreground, 4, cv::GC_INIT_WITH_MASK);
+  cv::Mat mask = (labels == cv::GC_FGD) | (labels == cv::GC_PR_FGD);
+  cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(7, 7, CV_8U));
+  cv::Mat bgr;
+  cv::cvtColor(mask, bgr, cv::COLOR_GRAY2BGR);
+  return bgr;
+}
+
+/// A region that fills the picture up to one of its sides is background.
+bool endsAtPicture(const Quad& quad, const cv::Size& size) {
+  const float tolerance = 0.03F * static_cast<float>(std::min(size.width, size.height));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const cv::Point2f& a = quad[i];
+    const cv::Point2f& b = quad[(i + 1) % 4];
+    const auto both = [&](float p, float q, int end) {
+      return (p < tolerance && q < tolerance) ||
+             (p > static_cast<float>(end) - tolerance && q > static_cast<float>(end) - tolerance);
+    };
+    if (both(a.x, b.x, size.width) || both(a.y, b.y, size.height)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The largest outline within `whole` of at least a share of it. One that runs along its border is a line
+/// drawn on the object: the object is `whole`.
+Quad largestOutline(const std::vector<cv::Mat>& pictures, const Quad& whole) {
+  double largest = kSmallestArea * areaOf(whole);
+  Quad result = whole;
+  for (const cv::Mat& picture : pictures) {
+    for (const Outline& outline : findOutlines(picture, 0.3 * std::min(picture.rows, picture.cols))) {
+      const double area = areaOf(outline.quad);
+      const bool is_whole = distanceOf(outline.quad, whole) < kAlongBorder * std::sqrt(areaOf(whole));
+      if (area > largest && isPlausible(outline.quad, kLongestRatio) &&
+          (is_whole || !endsAtPicture(outline.quad, picture.size()))) {
+        largest = area;
+        result = is_whole ? whole : canonical(outline.quad);
+      }
+    }
+  }
+  return result;
+}
+
+SamplePicture inPicture(const cv::Mat& picture) {
+  return {picture, largestOutline({picture, cutOut(picture)}, wholeOf(cv::Rect({0, 0}, picture.size())))};
 }
 
 SamplePicture readSample(const fs::path& path) {
@@ -100,19 +151,25 @@ SamplePicture readSample(const fs::path& path) {
     cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
   }
   if (picture.channels() == 3) {
-    return {picture, objectOutline(picture, wholeOf(cv::Rect({0, 0}, picture.size())))};
+    return inPicture(picture);
   }
+  cv::Mat bgr;
+  cv::cvtColor(picture, bgr, cv::COLOR_BGRA2BGR);
   cv::Mat alpha;
   cv::extractChannel(picture, alpha, 3);
-  const cv::Mat opaque = alpha >= kOpaque;
-  if (cv::countNonZero(opaque) == 0) {
+  const cv::Mat transparent = alpha < kOpaque;
+  const double share = cv::countNonZero(transparent) / static_cast<double>(transparent.total());
+  if (share == 1.0) {
     throw common::Error(fmt::format("{}: this sample is transparent all over; replace it", path.string()));
   }
-  cv::Mat bgr(picture.size(), CV_8UC3, cv::Scalar::all(255));
-  cv::Mat colours;
-  cv::cvtColor(picture, colours, cv::COLOR_BGRA2BGR);
-  colours.copyTo(bgr, opaque);
-  return {bgr, objectOutline(bgr, wholeOf(cv::boundingRect(opaque)))};
+  if (share < kRoundedCorners) {
+    return inPicture(bgr);
+  }
+  bgr.setTo(cv::Scalar::all(255), transparent);
+  const cv::Mat opaque = ~transparent;
+  cv::Mat mask;
+  cv::cvtColor(opaque, mask, cv::COLOR_GRAY2BGR);
+  return {bgr, largestOutline({mask}, wholeOf(cv::boundingRect(opaque)))};
 }
 
 class Reader {

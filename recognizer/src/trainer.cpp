@@ -1,5 +1,7 @@
 #include "recognizer/trainer.h"
 
+#include <algorithm>
+
 #include "outlines.h"
 #include "patch_descriptor.h"
 #include "rendering.h"
@@ -12,15 +14,13 @@ namespace rubble::recognizer {
 namespace {
 
 constexpr int kSeed = 7;
-constexpr int kRenderings = 120;  // of every view
-constexpr int kClutterPatches = 6000;
 constexpr int kPatchesPerPicture = 24;
 constexpr int kPlacesPerPicture = 4;  // anywhere, besides outlines
 const cv::Size kClutterSize(480, 360);
 
-Eigen::MatrixXf describeRenderings(const SamplePicture& sample, cv::RNG* random) {
-  Eigen::MatrixXf rows(kRenderings, kPatchDimensions);
-  for (int i = 0; i < kRenderings; ++i) {
+Eigen::MatrixXf describeRenderings(const SamplePicture& sample, int count, cv::RNG* random) {
+  Eigen::MatrixXf rows(count, kPatchDimensions);
+  for (int i = 0; i < count; ++i) {
     rows.row(i) = describePatch(renderPatch(sample, random)).transpose();
   }
   return rows;
@@ -37,9 +37,9 @@ Quad squareAnywhere(cv::RNG* random) {
   return quad;
 }
 
-Eigen::MatrixXf describeClutter(cv::RNG* random) {
+Eigen::MatrixXf describeClutter(int count, cv::RNG* random) {
   constexpr double kSmallestSide = 18.0;
-  Eigen::MatrixXf rows(kClutterPatches, kPatchDimensions);
+  Eigen::MatrixXf rows(count, kPatchDimensions);
   Eigen::Index row = 0;
   while (row < rows.rows()) {
     const cv::Mat picture = renderClutter(kClutterSize, random);
@@ -59,9 +59,21 @@ Eigen::MatrixXf describeClutter(cv::RNG* random) {
   return rows;
 }
 
+/// The score that one in a hundred of patches reaches.
+float highScore(const Eigen::MatrixXf& patches, const AppearanceModel& model,
+                const std::vector<std::uint32_t>& view_classes) {
+  std::vector<float> scores;
+  for (Eigen::Index i = 0; i < patches.rows(); ++i) {
+    scores.push_back(judge(model.likenesses(patches.row(i).transpose()), view_classes).score);
+  }
+  const auto high = scores.begin() + static_cast<std::ptrdiff_t>(scores.size() * 99 / 100);
+  std::nth_element(scores.begin(), high, scores.end());
+  return *high;
+}
+
 }  // namespace
 
-Vocabulary train(const std::vector<std::filesystem::path>& folders) {
+Vocabulary train(const std::vector<std::filesystem::path>& folders, const TrainerConfig& config) {
   const Samples samples = readSamples(folders);
   VocabularyData data;
   data.classes = samples.classes;
@@ -70,9 +82,11 @@ Vocabulary train(const std::vector<std::filesystem::path>& folders) {
   std::vector<Eigen::MatrixXf> views;
   for (const Samples::View& view : samples.views) {
     data.view_classes.push_back(view.object_class);
-    views.push_back(describeRenderings(view.sample, &random));
+    views.push_back(describeRenderings(view.sample, config.renderings, &random));
   }
-  data.appearance = trainAppearance(views, describeClutter(&random));
+  data.appearance = trainAppearance(views, describeClutter(config.clutter, &random));
+  data.appearance.clutter_score =
+      highScore(describeClutter(config.clutter / 3, &random), data.appearance, data.view_classes);
   return Vocabulary(std::move(data));
 }
 

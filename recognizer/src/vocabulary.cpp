@@ -121,6 +121,7 @@ Vocabulary Vocabulary::parse(std::span<const std::uint8_t> bytes, const std::str
     data.appearance.clutter_mean.resize(kPatchDimensions);
     data.appearance.whitening.resize(kPatchDimensions, kPatchDimensions);
     data.appearance.views.resize(kPatchDimensions, views);
+    data.appearance.clutter_score = reader.get<float>();
     getMatrix(&reader, &data.appearance.clutter_mean);
     getMatrix(&reader, &data.appearance.whitening);
     getMatrix(&reader, &data.appearance.views);
@@ -145,6 +146,7 @@ std::vector<std::uint8_t> Vocabulary::serialised() const {
   putList(data_->words.places(), &writer);
   putList(data_->words.centres(), &writer);
   putList(data_->words.begins(), &writer);
+  writer.put(data_->appearance.clutter_score);
   putMatrix(data_->appearance.clutter_mean, &writer);
   putMatrix(data_->appearance.whitening, &writer);
   putMatrix(data_->appearance.views, &writer);

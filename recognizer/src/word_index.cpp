@@ -1,6 +1,7 @@
 #include "word_index.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -14,7 +15,7 @@ namespace rubble::recognizer {
 namespace {
 
 /// Centres that a query looks through: trades matches kept against time (benchmarks/recognizer_matching).
-constexpr std::size_t kProbes = 16;
+constexpr std::size_t kProbes = 14;
 constexpr int kRounds = 6;  // of k-majority
 constexpr float kOnePlace = 0.1F;
 
@@ -53,6 +54,20 @@ std::vector<T> ordered(const std::vector<T>& values, const std::vector<std::uint
     result.push_back(values[i]);
   }
   return result;
+}
+
+/// The least distance that at least `count` of the distances do not exceed.
+std::uint16_t limitOfNearest(std::span<const std::uint16_t> distances, std::size_t count) {
+  std::array<std::uint16_t, 257> histogram{};
+  for (const std::uint16_t distance : distances) {
+    ++histogram[distance];
+  }
+  std::size_t within = 0;
+  std::uint16_t limit = 0;
+  while (limit < 256 && (within += histogram[limit]) < count) {
+    ++limit;
+  }
+  return limit;
 }
 
 using Range = std::pair<std::uint32_t, std::uint32_t>;
@@ -125,21 +140,17 @@ WordIndex::WordIndex(std::vector<orb::Descriptor> descriptors, std::vector<WordP
 void WordIndex::match(std::span<const orb::Descriptor> queries, int max_distance,
                       std::span<WordMatch> matches) const {
   RUBBLE_CHECK(queries.size() == matches.size());
-  const std::size_t probes = std::min(kProbes, centres_.size());
   std::vector<std::uint16_t> distances;
   std::vector<std::uint16_t> centre_distances(centres_.size());
-  std::vector<std::uint32_t> keys(centres_.size());  // distance, then index
-  std::vector<Range> ranges(probes);
+  std::vector<Range> ranges;
   for (std::size_t q = 0; q < queries.size(); ++q) {
     orb::hammingDistances(queries[q], centres_, centre_distances);
-    for (std::uint32_t i = 0; i < keys.size(); ++i) {
-      keys[i] = static_cast<std::uint32_t>(centre_distances[i]) << 16 | i;
-    }
-    std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(probes), keys.end());
-    std::sort(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(probes));
-    for (std::size_t i = 0; i < probes; ++i) {
-      const std::uint32_t centre = keys[i] & 0xFFFFU;
-      ranges[i] = {begins_[centre], begins_[centre + 1]};
+    const std::uint16_t limit = limitOfNearest(centre_distances, kProbes);
+    ranges.clear();
+    for (std::size_t i = 0; i < centres_.size(); ++i) {
+      if (centre_distances[i] <= limit) {
+        ranges.emplace_back(begins_[i], begins_[i + 1]);
+      }
     }
     matches[q] = matchWithin(queries[q], *this, ranges, max_distance, &distances);
   }

@@ -52,10 +52,12 @@ TEST(CommandTest, EveryCommandHasHelpWithAnExample) {
                                                           {"eval", "relations"},
                                                           {"eval", "map"},
                                                           {"eval", "marks"},
+                                                          {"eval", "objects"},
                                                           {"arena"},
                                                           {"experiment"},
                                                           {"doctor"},
-                                                          {"spy"}};
+                                                          {"spy"},
+                                                          {"train"}};
   for (std::vector<std::string> command : commands) {
     command.emplace_back("--help");
     const Outcome run = rubble(command);

@@ -16,7 +16,7 @@ struct Detection {
   std::string class_name;
   std::string kind;
   std::string text;  ///< what a code says; empty for objects
-  float score = 0;   ///< likeness to the nearest sample, up to 1
+  float score = 0;   ///< likeness to a sample above what clutter reaches; about 0.2 to 1
   /// Where the sample's top left, top right, bottom right and bottom left corner lie: pixels of the features'
   /// picture, the first pixel's centre is 0.
   std::array<cv::Point2f, 4> quad;

@@ -12,8 +12,7 @@ struct RecognizerConfig {
   double reprojection = 4.0;
   int candidates = 80;
   double smallest_side = 18.0;
-  double score = 0.5;
-  double score_with_matches = 0.35;
+  double score = 0.22;
 };
 
 void visit(common::ConfigSection& section, RecognizerConfig& config);
