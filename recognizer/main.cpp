@@ -1,16 +1,12 @@
-#include <memory>
-
-#include "lcm_io/placeholder_node.h"
 #include "lcm_io/process.h"
+#include "recognizer/recognizer_node.h"
 
 int main(int argc, char** argv) {
   return rubble::lcm_io::runProcess(
       argc, argv,
       {.name = "recognizer",
-       .purpose = "Finds victims, hazard labels and codes in CAMERA and MONO_FEATURES.",
-       .make_node =
-           [](const auto&) {
-             return std::make_unique<rubble::lcm_io::PlaceholderNode>("the recogniser is not written yet");
-           },
-       .describe_config = [](const auto&) { return std::string("# no parameters yet\n"); }});
+       .purpose =
+           "Finds victims, hazard labels and codes: CAMERA and MONO_FEATURES to DETECTIONS, OBJECT_NOTICE.",
+       .make_node = rubble::recognizer::makeNode,
+       .describe_config = rubble::recognizer::describeConfig});
 }

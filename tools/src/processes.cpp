@@ -12,6 +12,7 @@
 #include "fusion/fusion_node.h"
 #include "lcm_io/health_reporter.h"
 #include "lcm_io/process.h"
+#include "recognizer/recognizer_node.h"
 #include "slam_lidar/slam_lidar_node.h"
 #include "slam_mono/slam_mono_node.h"
 
@@ -28,6 +29,7 @@ struct Component {
 
 /// Every process with an algorithm, in the order in which a message reaches them.
 constexpr std::array kComponents = {Component{"slam_mono", slam_mono::makeNode},
+                                    Component{"recognizer", recognizer::makeNode},
                                     Component{"slam_lidar", slam_lidar::makeNode},
                                     Component{"fusion", fusion::makeNode}};
 
@@ -84,7 +86,7 @@ Processes::Processes(const std::vector<std::string>& names, const common::Config
     if (std::none_of(kComponents.begin(), kComponents.end(),
                      [&](const Component& component) { return component.name == name; })) {
       throw common::Error(fmt::format(
-          "{}: no such component with an algorithm; there are slam_mono, slam_lidar and fusion", name));
+          "{}: no such component with an algorithm; there are slam_mono, recognizer, slam_lidar and fusion", name));
     }
   }
   for (const Component& component : kComponents) {
