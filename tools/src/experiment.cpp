@@ -13,6 +13,7 @@
 #include "eval_ate.h"
 #include "eval_crossings.h"
 #include "eval_map.h"
+#include "eval_marks.h"
 #include "lcm_io/channels.h"
 #include "log_events.h"
 #include "map_file.h"
@@ -41,13 +42,13 @@ std::uint64_t parseSeed(const std::string& text) {
   return seed;
 }
 
-/// What the processes but slam_mono hear of a mission: its sensors without the pictures, and what slam_mono
-/// published, each at its time.
+/// What slam_lidar and fusion hear of a mission: its sensors without the pictures, and what slam_mono and the
+/// recogniser published, each at its time.
 std::vector<lcm_io::RawMessage> hearMission(const fs::path& log, const common::Config& config,
                                             const std::string& label) {
   std::vector<lcm_io::RawMessage> heard;
-  Processes mono({"slam_mono"}, config);
-  mono.endpoint().subscribeAll([&](const lcm_io::RawMessage& message) {
+  Processes vision({"slam_mono", "recognizer"}, config);
+  vision.endpoint().subscribeAll([&](const lcm_io::RawMessage& message) {
     if (message.channel != lcm_io::channel::kCamera && message.channel != lcm_io::channel::kMonoFeatures) {
       heard.push_back(message);
     }
@@ -55,11 +56,11 @@ std::vector<lcm_io::RawMessage> hearMission(const fs::path& log, const common::C
   forEachEvent(log, label.c_str(), [&](lcm_io::LogEvent& event) {
     // The truth is for scoring only.
     if (lcm_io::isSource(event.channel) && event.channel != lcm_io::channel::kGroundTruth) {
-      mono.feed({event.channel, event.utime, std::move(event.data)});
+      vision.feed({event.channel, event.utime, std::move(event.data)});
     }
     return true;
   });
-  mono.finish();
+  vision.finish();
   return heard;
 }
 
@@ -115,14 +116,15 @@ SeedScores runSeed(const ExperimentOptions& options, std::uint64_t seed) {
   writePicture(mission / "truth" / "map_0.pgm", mission / "truth" / "map_0.png");
   common::Config config = options.config;
   config.addFile(mission / "robot.yaml");
-  const auto heard = hearMission(mission / "mission.lcm", config, label("slam_mono"));
+  const auto heard = hearMission(mission / "mission.lcm", config, label("vision"));
   fs::remove(mission / "mission.lcm");
-  SeedScores result{seed, {}};
+  SeedScores result{seed, {}, {}};
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     const Method& method = kMethods[m];
     runMethod(method, heard, config, dir / method.name, label(method.title));
     result.scores[m] = scoreResults(dir / method.name, mission, !method.with_fusion);
   }
+  result.recognition = scoreRecognition(dir / kMethods.back().name, mission, seed);
   return result;
 }
 
@@ -184,6 +186,25 @@ Score scoreResults(const fs::path& results, const fs::path& mission, bool planar
     score.map_precision = compared.precision;
     score.map_recall = compared.recall;
   }
+  return score;
+}
+
+RecognitionScore scoreRecognition(const fs::path& results, const fs::path& mission, std::uint64_t seed) {
+  RecognitionScore score;
+  const common::Trajectory pictures = common::readTum(mission / "truth" / "camera.tum");
+  const common::Trajectory mono = common::readTum(results / "trajectory_mono_final.tum");
+  if (mono.size() >= 3) {
+    score.mono_ate_m = evaluateAte(mono, pictures, Alignment::kSim3, kMaxGap).translation_m.rmse;
+    score.tracked = trackedShare(common::readTum(results / "trajectory_mono.tum"), pictures);
+  }
+  const MarksOptions seen{kSeenPixels, kSeenPixels};
+  const MarksScore all =
+      scoreMarks(arena_sim::findSightings(mission, seed), readConfirmedMarks(results / "objects.csv"), seen)
+          .at("all");
+  score.seen = all.seen;
+  score.found = all.seen_confirmed_once;
+  score.false_marks = all.false_marks;
+  score.errors_m = all.errors_m;
   return score;
 }
 

@@ -23,13 +23,18 @@ struct ExperimentOptions {
 std::vector<std::uint64_t> parseSeeds(const std::string& text);
 
 /// Grid SLAM alone, `lsm` and `lsm-robust` on the same arena missions, held against the truth. Monocular
-/// SLAM, which hears neither of them, runs once per mission. Writes out_dir/seed_N/{mission, grid, lsm,
-/// lsm-robust} (the log itself stays in the arena's cache) and out_dir/report.md, after every seed anew.
-/// Throws common::Error.
+/// SLAM and the recogniser, which hear neither of them, run once per mission. Writes out_dir/seed_N/{mission,
+/// grid, lsm, lsm-robust} (the log itself stays in the arena's cache) and out_dir/report.md, after every seed
+/// anew. Throws common::Error.
 void runExperiment(const ExperimentOptions& options);
 
 /// Holds the files of a replay against the truth of its mission (`rubble arena`). With only a planar pose the
 /// body is taken to be level. What cannot be scored keeps the worst value.
 Score scoreResults(const std::filesystem::path& results, const std::filesystem::path& mission, bool planar);
+
+/// Holds the marks and the monocular path of a replay with fusion against the truth of its mission. Throws
+/// common::Error.
+RecognitionScore scoreRecognition(const std::filesystem::path& results, const std::filesystem::path& mission,
+                                  std::uint64_t seed);
 
 }  // namespace rubble::tools

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "statistics.h"
 
 namespace rubble::tools {
 
@@ -67,6 +68,29 @@ double nineTenths(const std::vector<double>& best_first) {
   return best_first[(9 * best_first.size() + 9) / 10 - 1];
 }
 
+std::string recognitionReport(const std::vector<SeedScores>& seeds) {
+  std::string text = fmt::format(
+      "\n## Monocular SLAM and recognition\n\nSeen: in plain sight of {} pixels or more in ten pictures. "
+      "Marks are "
+      "lsm-robust's.\n\n| seed | pictures tracked % | final ATE RMSE m, Sim(3) | objects found / seen | "
+      "false marks | "
+      "position error median / p95 m |\n|---|---|---|---|---|---|\n",
+      kSeenPixels);
+  RecognitionScore all;
+  for (const SeedScores& seed : seeds) {
+    const RecognitionScore& r = seed.recognition;
+    text += fmt::format("| {} | {:.1f} | {:.3f} | {} / {} | {} | {:.3f} / {:.3f} |\n", seed.seed,
+                        100.0 * r.tracked, r.mono_ate_m, r.found, r.seen, r.false_marks,
+                        quantileOf(r.errors_m, 0.5), quantileOf(r.errors_m, 0.95));
+    all.found += r.found;
+    all.seen += r.seen;
+    all.false_marks += r.false_marks;
+    all.errors_m.insert(all.errors_m.end(), r.errors_m.begin(), r.errors_m.end());
+  }
+  return text + fmt::format("| **all** | | | {} / {} | {} | {:.3f} / {:.3f} |\n", all.found, all.seen,
+                            all.false_marks, quantileOf(all.errors_m, 0.5), quantileOf(all.errors_m, 0.95));
+}
+
 }  // namespace
 
 std::string experimentReport(const std::string& title, const std::vector<SeedScores>& seeds) {
@@ -106,7 +130,7 @@ std::string experimentReport(const std::string& title, const std::vector<SeedSco
     }
     text += "\n";
   }
-  return text;
+  return text + recognitionReport(seeds);
 }
 
 }  // namespace rubble::tools

@@ -28,10 +28,9 @@ struct Component {
 };
 
 /// Every process with an algorithm, in the order in which a message reaches them.
-constexpr std::array kComponents = {Component{"slam_mono", slam_mono::makeNode},
-                                    Component{"recognizer", recognizer::makeNode},
-                                    Component{"slam_lidar", slam_lidar::makeNode},
-                                    Component{"fusion", fusion::makeNode}};
+constexpr std::array kComponents = {
+    Component{"slam_mono", slam_mono::makeNode}, Component{"recognizer", recognizer::makeNode},
+    Component{"slam_lidar", slam_lidar::makeNode}, Component{"fusion", fusion::makeNode}};
 
 void writeJson(const std::filesystem::path& path, const Json& json) {
   common::writeFileAtomically(path, json.dump(2) + "\n");
@@ -86,7 +85,8 @@ Processes::Processes(const std::vector<std::string>& names, const common::Config
     if (std::none_of(kComponents.begin(), kComponents.end(),
                      [&](const Component& component) { return component.name == name; })) {
       throw common::Error(fmt::format(
-          "{}: no such component with an algorithm; there are slam_mono, recognizer, slam_lidar and fusion", name));
+          "{}: no such component with an algorithm; there are slam_mono, recognizer, slam_lidar and fusion",
+          name));
     }
   }
   for (const Component& component : kComponents) {

@@ -15,7 +15,8 @@ namespace rubble::tools {
 /// the arena's closed loop run.
 class Processes {
  public:
-  /// `names`: which of slam_mono, recognizer, slam_lidar, fusion; empty: all. Throws common::Error for another name.
+  /// `names`: which of slam_mono, recognizer, slam_lidar, fusion; empty: all. Throws common::Error for
+  /// another name.
   Processes(const std::vector<std::string>& names, const common::Config& config);
   ~Processes();
 
