@@ -15,7 +15,7 @@ namespace rubble::recognizer {
 namespace {
 
 /// Centres that a query looks through: trades matches kept against time (benchmarks/recognizer_matching).
-constexpr std::size_t kProbes = 14;
+constexpr std::size_t kProbes = 16;
 constexpr int kRounds = 6;  // of k-majority
 constexpr float kOnePlace = 0.1F;
 
