@@ -111,18 +111,19 @@ class RecognizerNode : public lcm_io::Node {
                        {"pictures_left_out", counters_.left_out},
                        {"detections", counters_.detections},
                        {"notices", counters_.notices}};
+    const auto say = [&](const char* what) {
+      status.level = NodeStatus::Level::kDegraded;
+      status.detail += (status.detail.empty() ? "" : "; ") + std::string(what);
+    };
     if (!recognizer_) {
-      status.level = NodeStatus::Level::kDegraded;
-      status.detail =
-          "no vocabulary: make one with `rubble train SAMPLES_DIR` and name it in recognizer.vocabulary";
-    } else if (counters_.pictures == 0) {
-      status.level = NodeStatus::Level::kDegraded;
+      say("no vocabulary: make one with `rubble train SAMPLES_DIR` and name it in recognizer.vocabulary");
+    }
+    if (counters_.pictures == 0) {
       status.state = "waiting";
-      status.detail =
-          "no picture with its MONO_FEATURES yet: are rubble-camera and rubble-slam-mono running?";
-    } else if (last_left_out_ > 0 && last_picture_ - last_left_out_ <= kLateSpan) {
-      status.level = NodeStatus::Level::kDegraded;
-      status.detail = "cannot keep up: pictures are left out";
+      say("no picture with its MONO_FEATURES yet: are rubble-camera and rubble-slam-mono running?");
+    }
+    if (last_left_out_ > 0 && last_picture_ - last_left_out_ <= kLateSpan) {
+      say("cannot keep up: pictures are left out");
     }
     return status;
   }
