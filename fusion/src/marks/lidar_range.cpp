@@ -19,7 +19,7 @@ constexpr double kSteepest = 0.7;
 /// Beyond this way from the scan's plane (m) there may be anything.
 constexpr double kFarthestPlane = 1.5;
 constexpr double kSigma = 0.04;
-constexpr double kSigmaPerHeight = 0.3;
+constexpr double kSigmaPerHeight = 0.5;
 
 }  // namespace
 

@@ -54,10 +54,13 @@ struct NormalEquations {
 
 NormalEquations equationsAt(std::span<const MarkView> views, const Vector3d& p) {
   NormalEquations equations;
+  // Ranges err alike: what stands before the object does so in every view.
+  const double alike = std::sqrt(static_cast<double>(
+      std::count_if(views.begin(), views.end(), [](const MarkView& v) { return v.range_sigma > 0.0; })));
   for (const MarkView& view : views) {
     equations.addBearing(view, p);
     if (view.range_sigma > 0.0) {
-      equations.addRange(view, view.range, view.range_sigma, p);
+      equations.addRange(view, view.range, alike * view.range_sigma, p);
     }
   }
   equations.addRange(views.front(), kUsualRange, kUsualRangeSigma, p);
