@@ -6,11 +6,14 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <rubble/command_t.hpp>
+#include <rubble/detections_t.hpp>
 #include <rubble/fusion_state_t.hpp>
 #include <rubble/lidar_control_t.hpp>
 #include <rubble/lidar_pose_t.hpp>
 #include <rubble/mono_map_t.hpp>
 #include <rubble/mono_pose_t.hpp>
+#include <rubble/objects_t.hpp>
 #include <rubble/robot_pose_t.hpp>
 #include <rubble/stabilizer_command_t.hpp>
 #include <rubble/stabilizer_t.hpp>
@@ -369,6 +372,72 @@ TEST_F(FusionNodeTest, AKilledProcessKeepsWorldScaleAndState) {
   drive(4.5);
   EXPECT_EQ(state(), rubble::lidar_control_t::STATE_H);
   EXPECT_LT(positionError(), 0.05);
+}
+
+TEST_F(FusionNodeTest, SightingsBecomeMarksThatTheOperatorRulesAndThatSurvive) {
+  const rubble::test::TempDir dir;
+  makeNode(dir.path());
+  std::optional<rubble::objects_t> objects;
+  const auto listen = [&] {
+    hub_->endpoint().subscribe<rubble::objects_t>(lcm_io::channel::kObjects,
+                                                  [&](const auto& m) { objects = m; });
+  };
+  listen();
+  const Vector3d p_world_object = bodyAfter(2.0) * Vector3d(2.0, 0.3, 0.5);
+  const auto look = [&] {
+    for (int i = 0; i < 8; ++i) {
+      drive(0.1);
+      rubble::detections_t message{};
+      message.utime = poses_.back().utime;
+      const Vector3d p = (bodyThen() * robot_.T_body_camera()).inverse() * p_world_object;
+      rubble::detection_t detection;
+      detection.class_name = std::string("poison");
+      detection.kind = std::string("hazard");
+      detection.score = 0.5F;
+      detection.width = detection.height = 0.2;
+      const double half = 0.1 * robot_.intrinsics.focal[0] / p.z();
+      for (int k = 0; k < 4; ++k) {
+        const double x = robot_.intrinsics.centre[0] + robot_.intrinsics.focal[0] * p.x() / p.z();
+        const double y = robot_.intrinsics.centre[1] + robot_.intrinsics.focal[1] * p.y() / p.z();
+        detection.quad_x[k] = static_cast<float>(x + (k == 1 || k == 2 ? half : -half));
+        detection.quad_y[k] = static_cast<float>(y + (k >= 2 ? half : -half));
+      }
+      message.detections = {detection};
+      message.n = 1;
+      feed(lcm_io::channel::kDetections, message);
+    }
+    drive(0.6);
+  };
+  look();
+  ASSERT_TRUE(objects);
+  ASSERT_EQ(objects->n, 1);
+  EXPECT_EQ(objects->objects.front().state, rubble::object_t::STATE_CONFIRMED);
+  const Eigen::Map<const Vector3d> p(objects->objects.front().p_world_object);
+  EXPECT_LT((p - p_world_object).norm(), 0.1);
+
+  rubble::command_t command;
+  command.target = std::string("fusion");
+  command.verb = std::string("discard");
+  command.argument = std::string("77");
+  feed(lcm_io::channel::kCommand, command);
+  EXPECT_EQ(bus_->received().at(lcm_io::channel::kCommand).errors, 1) << "no such mark";
+  command.argument = std::to_string(objects->objects.front().id);
+  feed(lcm_io::channel::kCommand, command);
+  node_->finish();
+  makeNode(dir.path());
+  listen();
+  look();
+  ASSERT_EQ(objects->n, 1);
+  EXPECT_EQ(objects->objects.front().state, rubble::object_t::STATE_DISCARDED);
+  EXPECT_TRUE(objects->objects.front().by_operator);
+
+  rubble::detections_t bad{};
+  bad.utime = poses_.back().utime;
+  bad.detections = {rubble::detection_t{}};
+  bad.detections.front().quad_x[0] = std::numeric_limits<float>::quiet_NaN();
+  bad.n = 1;
+  feed(lcm_io::channel::kDetections, bad);
+  EXPECT_EQ(bus_->received().at(lcm_io::channel::kDetections).errors, 1);
 }
 
 TEST_F(FusionNodeTest, BadMessagesAreRefusedAndItLives) {

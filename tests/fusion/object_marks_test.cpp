@@ -186,7 +186,7 @@ TEST(ObjectMarks, PendingOnesAreForgottenAndTheirNumberIsBounded) {
     const Sighting sighting = robot.see(T, kFace, "class " + std::to_string(i));
     marks.addPicture({1 + i, T, true, 0, -1}, std::span(&sighting, 1));
   }
-  EXPECT_LE(marks.marks().size(), 500);
+  EXPECT_LE(marks.marks().size(), 300);
   marks.addPicture({60 * common::kMicrosecondsPerSecond, T, true, 0, -1}, {});
   EXPECT_TRUE(marks.marks().empty());
 }

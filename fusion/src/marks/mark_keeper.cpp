@@ -43,6 +43,9 @@ void keep(std::deque<T>& values, T value, std::size_t most) {
 /// Unit vectors in `camera` towards the corners of a detection.
 std::array<Vector3d, 4> bearings(const rubble::detection_t& detection,
                                  const common::RobotConfig::Intrinsics& camera) {
+  if (!std::isfinite(detection.score) || !(detection.width >= 0.0) || !(detection.height >= 0.0)) {
+    throw common::Error("a detection whose score or size is not a number");
+  }
   std::vector<cv::Point2d> pixels;
   for (int i = 0; i < 4; ++i) {
     const cv::Point2d pixel(static_cast<double>(detection.quad_x[i]),
@@ -63,6 +66,9 @@ std::array<Vector3d, 4> bearings(const rubble::detection_t& detection,
   std::array<Vector3d, 4> result;
   for (std::size_t i = 0; i < result.size(); ++i) {
     result[i] = Vector3d(points[i].x, points[i].y, 1.0).normalized();
+    if (!result[i].allFinite()) {
+      throw common::Error("a detection whose corners the lens cannot see");
+    }
   }
   return result;
 }

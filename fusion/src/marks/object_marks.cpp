@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 constexpr std::size_t kMostViews = 24;
 constexpr double kViewSpacing = 0.05;
 /// Marks, pending ones included: beyond it the oldest pending one goes.
-constexpr std::size_t kMostMarks = 500;
+constexpr std::size_t kMostMarks = 300;
 /// Between two bearings to the same object (rad): the published attitude and the corners.
 constexpr double kBearingSigma = 0.02;
 constexpr double kGate = 3.0;
