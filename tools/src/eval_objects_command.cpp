@@ -50,9 +50,10 @@ void evalObjects(const Options& options) {
     config.addOverride(assignment);
   }
   const ClassMap class_map = options.class_map.empty() ? ClassMap() : readClassMap(options.class_map);
-  const ObjectsResult result = evaluateObjects(options.pictures, readBoxes(options.boxes),
-                                               config.read<recognizer::RecognizerConfig>("recognizer"),
-                                               recognizer::Vocabulary::load(options.vocabulary), class_map);
+  const auto boxes = readBoxes(options.boxes);
+  const ObjectsResult result =
+      evaluateObjects(options.pictures, boxes, config.read<recognizer::RecognizerConfig>("recognizer"),
+                      recognizer::Vocabulary::load(options.vocabulary), class_map);
   const Statistics time = statisticsOf(result.milliseconds);
   Json report;
   report["pictures"] = result.pictures;
