@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "support/error_text.h"
 #include "support/temp_dir.h"
 #include "vocabulary_data.h"
@@ -59,9 +61,10 @@ TEST(Vocabulary, EveryTruncationIsAnError) {
 TEST(Vocabulary, EveryFlippedBitIsAnError) {
   auto bytes = Vocabulary(makeData()).serialised();
   for (std::size_t i = 0; i < bytes.size(); i += 9001) {
-    bytes[i] ^= 1U << (i % 8);
+    const auto bit = static_cast<std::uint8_t>(1U << (i % 8));
+    bytes[i] ^= bit;
     EXPECT_THAT(parseError(bytes), AllOf(HasSubstr("signs.vocabulary"), HasSubstr("rubble train")));
-    bytes[i] ^= 1U << (i % 8);
+    bytes[i] ^= bit;
   }
 }
 
