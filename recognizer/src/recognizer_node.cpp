@@ -55,7 +55,9 @@ orb::Features featuresFromMessage(const rubble::mono_features_t& m) {
   features.angle = m.angle;
   features.octave = m.octave;
   features.descriptors.resize(n);
-  std::memcpy(features.descriptors.data(), m.descriptors.data(), m.descriptors.size());
+  if (n > 0) {
+    std::memcpy(features.descriptors.data(), m.descriptors.data(), m.descriptors.size());
+  }
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(features.x[i]) || !std::isfinite(features.y[i]) || !std::isfinite(features.angle[i])) {
       throw common::Error(fmt::format("feature {} is not finite", i));
