@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "text_lines.h"
+#include "csv_table.h"
 
 namespace rubble::tools {
 
@@ -52,25 +52,17 @@ Crossing measure(const std::vector<Pair>& pairs, std::size_t begin, std::size_t 
 
 std::vector<StatedPose> readFusedStates(const std::filesystem::path& poses_csv) {
   std::vector<StatedPose> poses;
-  forEachLine(readTextFile(poses_csv), [&](std::string_view line) {
-    // An empty map_id would shift the words: columns are cut here, not by Words.
-    std::vector<std::string_view> cells;
-    for (std::size_t begin = 0; begin <= line.size();) {
-      const std::size_t end = std::min(line.find(',', begin), line.size());
-      cells.push_back(line.substr(begin, end - begin));
-      begin = end + 1;
-    }
-    if (cells.size() < 11 || cells[0] != "fused") {
-      return;
-    }
-    StatedPose pose;
-    pose.pose.utime = Words(cells[1]).seconds("time_s");
-    for (int i = 0; i < 3; ++i) {
-      pose.pose.T_a_b.translation()[i] = Words(cells[static_cast<std::size_t>(2 + i)]).finite("a position");
-    }
-    pose.state = Words(cells[10]).word("state").front();
-    poses.push_back(pose);
-  });
+  forEachRow(readTextFile(poses_csv), {"source", "time_s", "x_m", "y_m", "z_m", "state"},
+             [&](const std::vector<std::string>& row) {
+               if (row[0] == "fused") {
+                 StatedPose pose;
+                 pose.pose.utime = Words(row[1]).seconds("time_s");
+                 pose.pose.T_a_b.translation() = Vector3d(
+                     Words(row[2]).finite("x_m"), Words(row[3]).finite("y_m"), Words(row[4]).finite("z_m"));
+                 pose.state = Words(row[5]).word("state").front();
+                 poses.push_back(pose);
+               }
+             });
   return poses;
 }
 
