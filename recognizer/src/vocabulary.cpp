@@ -11,17 +11,6 @@ namespace {
 
 constexpr common::Magic kMagic = {'R', 'B', 'V', 'O', 'C', '0', '0', '1'};
 
-void putText(const std::string& text, common::ByteWriter* writer) {
-  writer->put<std::uint64_t>(text.size());
-  writer->putAll(std::span(text.data(), text.size()));
-}
-
-std::string getText(common::ByteReader* reader) {
-  std::string text(reader->getCount(1), '\0');
-  reader->getAll(std::span(text.data(), text.size()));
-  return text;
-}
-
 template <typename T>
 void putList(const std::vector<T>& values, common::ByteWriter* writer) {
   writer->put<std::uint64_t>(values.size());
@@ -36,25 +25,25 @@ std::vector<T> getList(common::ByteReader* reader) {
 }
 
 void putClass(const ObjectClass& object_class, common::ByteWriter* writer) {
-  putText(object_class.name, writer);
-  putText(object_class.kind, writer);
+  writer->putText(object_class.name);
+  writer->putText(object_class.kind);
   writer->put(object_class.width);
   writer->put(object_class.height);
   writer->put<std::uint64_t>(object_class.aliases.size());
   for (const std::string& alias : object_class.aliases) {
-    putText(alias, writer);
+    writer->putText(alias);
   }
 }
 
 ObjectClass getClass(common::ByteReader* reader) {
   ObjectClass object_class;
-  object_class.name = getText(reader);
-  object_class.kind = getText(reader);
+  object_class.name = reader->getText();
+  object_class.kind = reader->getText();
   object_class.width = reader->get<double>();
   object_class.height = reader->get<double>();
   object_class.aliases.resize(reader->getCount(sizeof(std::uint64_t)));
   for (std::string& alias : object_class.aliases) {
-    alias = getText(reader);
+    alias = reader->getText();
   }
   return object_class;
 }

@@ -32,6 +32,11 @@ class ByteWriter {
       std::memcpy(bytes_.data() + end, values.data(), values.size_bytes());
     }
   }
+  /// Its length, then its characters.
+  void putText(const std::string& text) {
+    put(static_cast<std::uint64_t>(text.size()));
+    putAll(std::span(text.data(), text.size()));
+  }
   std::vector<std::uint8_t>& bytes() { return bytes_; }
   /// Ends what began with a Magic: all of it, then its CRC-32.
   std::vector<std::uint8_t> sealed() && {
@@ -90,6 +95,11 @@ class ByteReader {
       fail("truncated");
     }
     return static_cast<std::size_t>(count);
+  }
+  std::string getText() {
+    std::string text(getCount(1), '\0');
+    getAll(std::span(text.data(), text.size()));
+    return text;
   }
   std::size_t left() const { return bytes_.size(); }
   /// Throws Error: "<thing>: <what>".

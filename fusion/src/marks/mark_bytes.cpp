@@ -1,24 +1,11 @@
 #include "marks/mark_bytes.h"
 
-#include <string>
-
 namespace rubble::fusion {
 
 namespace {
 
 using common::ByteReader;
 using common::ByteWriter;
-
-void putText(ByteWriter& out, const std::string& text) {
-  out.put(static_cast<std::uint64_t>(text.size()));
-  out.putAll(std::span(text.data(), text.size()));
-}
-
-std::string getText(ByteReader& in) {
-  std::string text(in.getCount(1), '\0');
-  in.getAll(std::span(text.data(), text.size()));
-  return text;
-}
 
 template <typename Matrix>
 void putMatrix(ByteWriter& out, const Matrix& m) {
@@ -35,9 +22,9 @@ void getMatrix(ByteReader& in, Matrix& m) {
 
 void putMark(ByteWriter& out, const Mark& mark) {
   out.put(mark.id);
-  putText(out, mark.label.class_name);
-  putText(out, mark.label.kind);
-  putText(out, mark.label.text);
+  out.putText(mark.label.class_name);
+  out.putText(mark.label.kind);
+  out.putText(mark.label.text);
   out.put(static_cast<std::uint8_t>(mark.state));
   out.put(static_cast<std::uint8_t>(mark.by_operator));
   putMatrix(out, mark.position.p_world);
@@ -67,9 +54,9 @@ void putMark(ByteWriter& out, const Mark& mark) {
 Mark getMark(ByteReader& in) {
   Mark mark;
   mark.id = in.get<std::int32_t>();
-  mark.label.class_name = getText(in);
-  mark.label.kind = getText(in);
-  mark.label.text = getText(in);
+  mark.label.class_name = in.getText();
+  mark.label.kind = in.getText();
+  mark.label.text = in.getText();
   const auto state = in.get<std::uint8_t>();
   if (state > static_cast<std::uint8_t>(MarkState::kDiscarded)) {
     in.fail("an unknown state of a mark");
