@@ -176,7 +176,8 @@ void LcmBus::enqueue(RawMessage message) {
 
 bool LcmBus::dispatch(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  arrived_.wait_for(lock, timeout, [this] { return !inbox_.empty(); });
+  arrived_.wait_for(lock, timeout, [this] { return !inbox_.empty() || woken_; });
+  woken_ = false;
   for (const auto& [channel, stats] : inbox_stats_) {
     noteDropped(channel, stats.dropped);
   }
@@ -190,6 +191,12 @@ bool LcmBus::dispatch(std::chrono::milliseconds timeout) {
   lock.unlock();
   deliver(message);
   return true;
+}
+
+void LcmBus::wake() {
+  const std::lock_guard lock(mutex_);
+  woken_ = true;
+  arrived_.notify_one();
 }
 
 common::Utime LcmBus::now() const { return clockNow(); }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <rubble/command_t.hpp>
 #include <rubble/counter_t.hpp>
+#include <thread>
 
 #include "bus_fixture.h"
 #include "lcm_io/channels.h"
@@ -51,6 +52,15 @@ TEST_F(LcmBusTest, PublishedMessagesArriveInOrder) {
   EXPECT_EQ(publisher.published().at("NUMBERS").count, 200);
   EXPECT_EQ(subscriber.received().at("NUMBERS").count, 200);
   EXPECT_EQ(subscriber.received().at("NUMBERS").dropped, 0);
+}
+
+TEST_F(LcmBusTest, WakeEndsADispatchThatWaits) {
+  LcmBus bus(url_, "test");
+  std::thread waker([&] { bus.wake(); });
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_FALSE(bus.dispatch(std::chrono::minutes(1)));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  waker.join();
 }
 
 TEST_F(LcmBusTest, AMessageOfMegabytesArrives) {

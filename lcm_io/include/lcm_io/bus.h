@@ -68,6 +68,9 @@ class Bus {
 
   /// Handles one message. False when none came within the time or none can come any more (ended()).
   virtual bool dispatch(std::chrono::milliseconds timeout) = 0;
+  /// Ends a dispatch() that waits, or the next one that would: a node's own thread has something for it. The
+  /// only call that any thread may make.
+  virtual void wake() {}
   /// Takes what has already arrived, then nothing more; dispatch() hands out the rest.
   virtual void stopReceiving() {}
   /// True once the log behind the bus is played to its end; never live.

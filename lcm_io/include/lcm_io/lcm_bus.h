@@ -28,6 +28,7 @@ class LcmBus : public Bus {
   ~LcmBus() override;
 
   bool dispatch(std::chrono::milliseconds timeout) override;
+  void wake() override;
   bool ended() const override { return false; }
   common::Utime now() const override;
   std::string conflict() const override;
@@ -63,6 +64,7 @@ class LcmBus : public Bus {
   ChannelStatsMap inbox_stats_;
   std::map<std::string, OwnChannel> own_;
   std::set<std::string> wanted_;  // What dispatch() shall hand out.
+  bool woken_ = false;
   std::atomic<bool> stopping_ = false;
   common::Utime stop_utime_ = 0;    // Written before stopping_.
   common::Utime newest_utime_ = 0;  // Receive time of the newest message; the receiver's own.
