@@ -187,6 +187,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   std::string loop_seeds = "1..20";
   std::string look_alike_seeds = "1..50";
+  std::string turn_seeds = "1..20";
+  int turn_features = 400;
   int trials = 100;
   bool poor = false;
   auto* loops =
@@ -195,6 +197,9 @@ int main(int argc, char** argv) {
   auto* look_alike =
       app.add_subcommand("look_alike", "Corridors that look alike: every closure is a false one");
   look_alike->add_option("--seeds", look_alike_seeds, "Missions")->capture_default_str();
+  auto* turns = app.add_subcommand("turns", "A turn on the spot before a bare wall");
+  turns->add_option("--seeds", turn_seeds, "Missions")->capture_default_str();
+  turns->add_option("--features", turn_features, "Of a picture while it turns")->capture_default_str();
   auto* recovery = app.add_subcommand("recovery", "Darkness, whip turns, occlusion, kidnapping");
   recovery->add_option("--trials", trials, "Disturbances, four in a mission")
       ->check(CLI::PositiveNumber)
@@ -210,6 +215,10 @@ int main(int argc, char** argv) {
       measureLoops(rangeOf(loop_seeds), view);
     } else if (*look_alike) {
       measureLookAlike(rangeOf(look_alike_seeds), view);
+    } else if (*turns) {
+      ViewConfig bare = kPoorView;
+      bare.features = turn_features;
+      measureTurns(rangeOf(turn_seeds), bare);
     } else {
       measureRecovery(trials);
     }

@@ -21,6 +21,9 @@ double quantile(std::vector<double> values, double share);
 /// What takes the pictures, while SLAM believes in arenaCamera().
 Camera worldLens(std::uint64_t seed);
 
+/// How well the scale survives a turn on the spot with this view, as a table on stdout.
+void measureTurns(const SeedRange& seeds, const ViewConfig& view);
+
 /// How fast the camera finds itself again, as a table on stdout.
 void measureRecovery(int trials);
 

@@ -69,7 +69,8 @@ Route::Route(const common::Pose2& T_world_body, double rate, std::uint64_t seed)
 void Route::add(const common::Pose2& T_world_body) {
   T_world_body_ = T_world_body;
   const double t = static_cast<double>(poses_.size()) / rate_;
-  common::Pose3 T = common::pose3FromPose2(T_world_body, kCameraHeight);
+  common::Pose3 T =
+      common::pose3FromPose2(T_world_body * common::Pose2{camera_ahead_, 0.0, 0.0}, kCameraHeight);
   if (vibrates_) {
     const auto wave = [&](double hertz, double shift) {
       return std::sin(2.0 * std::numbers::pi * hertz * (t + phase_) + shift);

@@ -47,6 +47,8 @@ class Route {
   void stand(double seconds);
   /// Turns on the spot at constant speed.
   void turn(double angle, double seconds);
+  /// The camera sits this far (m) in front of the axis of a turn; 0 at first.
+  void setCameraAhead(double ahead) { camera_ahead_ = ahead; }
   /// Shakes only while true, from the start on.
   void setVibration(bool on) { vibrates_ = on; }
 
@@ -58,6 +60,7 @@ class Route {
 
   double rate_;
   double phase_;
+  double camera_ahead_ = 0.0;
   bool vibrates_ = true;
   common::Pose2 T_world_body_;
   std::vector<StampedPose> poses_;
