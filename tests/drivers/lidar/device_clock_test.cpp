@@ -140,8 +140,8 @@ TEST(DeviceClock, FirstScansThatWaitedInTheHostAreNoJump) {
     DeviceClock::Stamp stamp;
     for (int i = 0; i < 400; ++i) {
       sensor.host += kScan;
-      stamp = sensor.clock.observe(sensor.deviceMs(sensor.host),
-                                   std::max(arrival, sensor.host + kSweep + kLink));
+      stamp =
+          sensor.clock.observe(sensor.deviceMs(sensor.host), std::max(arrival, sensor.host + kSweep + kLink));
       ASSERT_FALSE(stamp.jumped) << i;
     }
     EXPECT_LT(std::abs(sensor.error(stamp)), 1500.0);

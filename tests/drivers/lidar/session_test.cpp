@@ -198,7 +198,8 @@ TEST_F(SessionTest, MalfunctionsAreToldFromRefusals) {
   restart({.first_angle = -3.2, .last_angle = 3.2});
   replaced_ = {{"PP", "PP\n0Ee\n\n"}};
   EXPECT_EQ(errorOf([&] { greet(); }),
-            "answers PP with status 0E (undefined command); is it a SCIP 2.0 model that knows this command?");
+            "answers PP with status 0E (undefined command); switch it off and on, and check that it is a "
+            "SCIP 2.0 model");
 }
 
 TEST_F(SessionTest, DamagedParametersAreNotUsed) {

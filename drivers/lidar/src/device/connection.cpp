@@ -132,11 +132,6 @@ FileDescriptor::~FileDescriptor() {
 
 FileDescriptor::FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
 
-FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
 bool isBaudRate(int baud) { return findBaudRate(baud) != nullptr; }
 
 Connection::Connection(const Address& address, int baud, int interrupt, std::chrono::milliseconds timeout)

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 
 #include "common/error.h"
@@ -73,15 +74,11 @@ LidarReader::~LidarReader() {
 }
 
 LidarReader::Status LidarReader::status() const {
-  Status status;
-  {
-    const std::lock_guard lock(mutex_);
-    status = status_;
-    if (Clock::now() - warning_time_ > kWarningIsNews) {
-      status.warning.clear();
-    }
+  const std::lock_guard lock(mutex_);
+  Status status = status_;
+  if (Clock::now() - warning_time_ > kWarningIsNews) {
+    status.warning.clear();
   }
-  status.dropped = queue_.dropped();
   return status;
 }
 
@@ -92,8 +89,7 @@ void LidarReader::run() {
     } catch (const Malfunction& e) {
       reset_next_ = true;
       fail(fmt::format(
-          "{}; it is reset and tried again: if that does not help switch it off and on, or replace "
-          "it",
+          "{}; it is reset and tried again: if that does not help switch it off and on, or replace it",
           e.what()));
     } catch (const common::Error& e) {
       fail(e.what());
@@ -170,8 +166,12 @@ void LidarReader::onScan(LidarScan& scan) {
 
 void LidarReader::note(const Session& session) {
   const SessionCounters counters = sum(before_, session.counters());
+  const std::int64_t dropped = queue_.dropped();
   const std::lock_guard lock(mutex_);
-  if (const std::string_view trouble = troubleBetween(status_.counters, counters); !trouble.empty()) {
+  const std::string_view trouble = dropped > status_.dropped
+                                       ? "scans are dropped: this host is too slow; lower its load"
+                                       : troubleBetween(status_.counters, counters);
+  if (!trouble.empty()) {
     status_.warning = trouble;
     warning_time_ = Clock::now();
   }
@@ -182,6 +182,7 @@ void LidarReader::note(const Session& session) {
     status_.state = State::kVerifying;
   }
   status_.counters = counters;
+  status_.dropped = dropped;
 }
 
 void LidarReader::fail(const std::string& what) {

@@ -45,7 +45,7 @@ class LidarReader {
     std::string warning;
     SessionCounters counters;  // Over all conversations.
     std::int64_t failures = 0;
-    std::int64_t dropped = 0;
+    std::int64_t dropped = 0;  // Scans that nobody took in time.
   };
 
   /// `wake` is called on the reader's thread when a scan waits.

@@ -4,6 +4,8 @@ namespace rubble::lidar {
 
 namespace {
 
+constexpr char kFirstCharacter = 0x30;
+constexpr unsigned kCharacterBits = 6;
 constexpr std::uint32_t kMask = (1U << kCharacterBits) - 1;
 
 }  // namespace

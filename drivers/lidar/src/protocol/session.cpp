@@ -176,7 +176,7 @@ void Session::refuse(const Response& response) const {
   if (kindOf(response.status) == StatusKind::kMalfunction) {
     throw Malfunction(what);
   }
-  throw common::Error(what + "; is it a SCIP 2.0 model that knows this command?");
+  throw common::Error(what + "; switch it off and on, and check that it is a SCIP 2.0 model");
 }
 
 }  // namespace rubble::lidar
