@@ -77,7 +77,7 @@ bool Capture::accept(const Frame& frame) {
   PictureQueue::Picture picture = queue_.blank();
   const bool good = !frame.damaged && maker_->make(frame.bytes, *picture);
   if (good) {
-    stampPicture(frame, *picture);
+    stampPicture(frame, time, *picture);
     queue_.push(std::move(picture));
     last_good_ = time;
     pause_ = kShortestPause;
@@ -99,16 +99,15 @@ bool Capture::accept(const Frame& frame) {
   return good;
 }
 
-void Capture::stampPicture(const Frame& frame, bot_core::image_t& picture) {
+void Capture::stampPicture(const Frame& frame, std::int64_t time, bot_core::image_t& picture) {
   std::array<ClockReading, kClockReadings> readings;
   std::generate(readings.begin(), readings.end(), [this] { return calls_.readClocks(); });
-  const std::int64_t time = readings.back().monotonic_after;
-  const bool stamped = frame.stamp && isPlausible(frame.stamp->monotonic, time);
+  const bool stamped = isPlausible(frame.stamp.monotonic, time);
   if (!stamped) {
     const std::lock_guard lock(mutex_);
     unstamped_.add(1, time);
   }
-  picture.utime = midExposure(stamped ? *frame.stamp : BufferStamp{time, false}, device_->controls().exposure,
+  picture.utime = midExposure(stamped ? frame.stamp : BufferStamp{time, false}, device_->controls().exposure,
                               setup_.camera.stamp_delay, clockOffset(readings));
   picture.nmetadata = exposure_us_.empty() ? 0 : 1;
   picture.metadata.resize(static_cast<std::size_t>(picture.nmetadata));

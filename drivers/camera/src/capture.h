@@ -41,7 +41,8 @@ class Capture {
   void takePicture();
   /// False when it is damaged.
   bool accept(const Frame& frame);
-  void stampPicture(const Frame& frame, bot_core::image_t& picture);
+  /// `time`: of its arrival.
+  void stampPicture(const Frame& frame, std::int64_t time, bot_core::image_t& picture);
   /// Drops the device and pauses.
   void fail(const DeviceError& error);
   std::int64_t now() { return calls_.readClocks().monotonic_before; }

@@ -29,8 +29,9 @@ struct BufferStamp {
 /// start or end to the stamp) in s, `offset` as of clockOffset().
 common::Utime midExposure(const BufferStamp& stamp, double exposure, double delay, std::int64_t offset);
 
-/// Whether the stamp can be of the monotonic clock: it is less than 1 s from now (ns). A little in the future
-/// is possible, where a driver knows when the exposure will have ended.
+/// Whether a stamp is of the monotonic clock, as V4L2's should be: it is less than 1 s from now (ns), which
+/// no other clock's is. A little in the future is possible, where a driver knows when the exposure will have
+/// ended.
 bool isPlausible(std::int64_t monotonic_stamp, std::int64_t monotonic_now);
 
 }  // namespace rubble::camera

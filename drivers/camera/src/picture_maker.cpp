@@ -20,11 +20,11 @@ bool PictureMaker::make(lcm_io::ByteView bytes, bot_core::image_t& picture) {
   const PixelRows rows{bytes, format_.row, format_.width, format_.height};
   if (format_.fourcc == lcm_io::kMjpg) {
     const auto size = lcm_io::jpegSize(bytes);
-    if (!size || size->width != format_.width || size->height != format_.height ||
-        !lcm_io::isWholeJpeg(bytes)) {
+    const lcm_io::ByteView jpeg = lcm_io::wholeJpeg(bytes);
+    if (!size || size->width != format_.width || size->height != format_.height || jpeg.empty()) {
       return false;
     }
-    assign(picture, bytes);
+    assign(picture, jpeg);
   } else if (bytes.size() < format_.row * static_cast<std::size_t>(format_.height)) {
     return false;
   } else if (format_.fourcc == lcm_io::kYuyv) {

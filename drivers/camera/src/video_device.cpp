@@ -57,12 +57,6 @@ VideoDevice::~VideoDevice() { close(); }
 
 void VideoDevice::start() {
   fd_ = calls_.open(name_);
-  if (fd_ == -ENOENT || fd_ == -ENODEV || fd_ == -ENXIO) {
-    throw DeviceError(device_state::kNoDevice,
-                      fmt::format("{} is not there; plug the camera in, or set camera.device to one that `ls "
-                                  "/dev/v4l/by-path/` shows",
-                                  name_));
-  }
   demand(fd_, "be opened");
   checkCapabilities();
   chooseFormat();
@@ -89,8 +83,11 @@ int VideoDevice::demand(int result, const char* what) {
   if (result >= 0) {
     return result;
   }
-  if (result == -ENODEV) {
-    throw DeviceError(device_state::kNoDevice, fmt::format("{} is gone; plug the camera in again", name_));
+  if (result == -ENOENT || result == -ENODEV || result == -ENXIO) {
+    throw DeviceError(device_state::kNoDevice,
+                      fmt::format("{} is not there; plug the camera in, or set camera.device to one that `ls "
+                                  "/dev/v4l/by-path/` shows",
+                                  name_));
   }
   throw DeviceError(device_state::kRefused, fmt::format("{} cannot {}: {}; {}", name_, what,
                                                         std::strerror(-result), adviceFor(-result)));
@@ -192,11 +189,10 @@ std::optional<Frame> VideoDevice::next(std::chrono::milliseconds timeout) {
   frame.sequence = buffer.sequence;
   frame.damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0;
   frame.index = buffer.index;
-  if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) {
-    frame.stamp = BufferStamp{buffer.timestamp.tv_sec * std::int64_t{1'000'000'000} +
-                                  buffer.timestamp.tv_usec * std::int64_t{1'000},
-                              (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE};
-  }
+  // Whether it is of the monotonic clock shows in its value: v4l2loopback's is without saying so.
+  frame.stamp = {
+      buffer.timestamp.tv_sec * std::int64_t{1'000'000'000} + buffer.timestamp.tv_usec * std::int64_t{1'000},
+      (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE};
   return frame;
 }
 

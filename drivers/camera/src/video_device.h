@@ -17,8 +17,7 @@ struct Frame {
   std::uint32_t sequence = 0;
   /// The device says that the content is not whole.
   bool damaged = false;
-  /// Empty when the driver gives no stamp of the monotonic clock.
-  std::optional<BufferStamp> stamp;
+  BufferStamp stamp;
   std::uint32_t index = 0;
 };
 

@@ -10,7 +10,7 @@ namespace rubble::camera {
 namespace {
 
 constexpr int kFile = 7;
-constexpr std::uint32_t kBufferBytes = 100'000;
+constexpr std::uint32_t kBufferBytes = 1'000'000;
 constexpr std::uint32_t kPage = 4096;
 
 }  // namespace
@@ -100,7 +100,7 @@ int ScriptedCamera::dequeue(v4l2_buffer& buffer) {
   queued_.erase(queued_.begin());
   buffer.sequence = sequence_;
   buffer.flags = next_.flags;
-  const std::int64_t stamp = time - kTransfer;
+  const std::int64_t stamp = time - kTransfer - next_.clock_error;
   buffer.timestamp = {stamp / 1'000'000'000, stamp % 1'000'000'000 / 1000};
   const std::size_t bytes = next_.bytes >= 0 ? static_cast<std::size_t>(next_.bytes)
                                              : std::min<std::size_t>(content.size(), kBufferBytes);

@@ -25,7 +25,9 @@ class ScriptedCamera : public SystemCalls {
     /// DQBUF's answer; 0 is a picture.
     int error = 0;
     bool silent = false;
-    std::uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+    std::uint32_t flags = 0;
+    /// What its stamp says less than the monotonic clock, ns.
+    std::int64_t clock_error = 0;
     /// Numbers left out before it.
     std::uint32_t gap = 0;
     /// Of the content; -1 all.
