@@ -4,7 +4,6 @@
 #include <linux/videodev2.h>
 
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 namespace rubble::camera {
@@ -77,9 +76,9 @@ void applyRate(SystemCalls& calls, int fd, const CameraSetup& setup, std::vector
   const bool set = calls.control(fd, VIDIOC_S_PARM, &parameters) >= 0 && interval.numerator > 0;
   const double rate = set ? static_cast<double>(interval.denominator) / interval.numerator : 0.0;
   if (std::abs(rate - setup.lens.rate) > kRateTolerance * setup.lens.rate) {
-    complaints.push_back(fmt::format("{} {} the {} Hz of robot.camera.rate", setup.camera.device,
-                                     set ? fmt::format("gives {:.4g} Hz for", rate) : "cannot be asked for",
-                                     setup.lens.rate));
+    complaints.push_back(
+        fmt::format("{} {} the {} Hz of robot.camera.rate; set that to a rate it has", setup.camera.device,
+                    set ? fmt::format("gives {:.4g} Hz for", rate) : "cannot be asked for", setup.lens.rate));
   }
 }
 

@@ -97,11 +97,21 @@ TEST_F(CaptureTest, WishesThatAreNotGrantedAreSaidAndNothingElse) {
   setup_.camera.gain = 7;
   start();
   EXPECT_EQ(state(), "streaming");
+  EXPECT_EQ(detail(),
+            "/dev/v4l/by-path/front gives 15 Hz for the 25 Hz of robot.camera.rate; set that to a rate it "
+            "has; /dev/v4l/by-path/front has "
+            "no control for camera.exposure (0.1 ms); leave it out");
+  EXPECT_EQ(camera_.controls.at(V4L2_CID_GAIN), 7);
+}
+
+TEST_F(CaptureTest, AWishOutOfRangeNamesTheRange) {
+  camera_.controls = {{V4L2_CID_GAIN, 0}};
+  camera_.largest_control = 5;
+  setup_.camera.gain = 7;
+  start();
   EXPECT_EQ(
       detail(),
-      "/dev/v4l/by-path/front gives 15 Hz for the 25 Hz of robot.camera.rate; /dev/v4l/by-path/front has "
-      "no control for camera.exposure (0.1 ms); leave it out");
-  EXPECT_EQ(camera_.controls.at(V4L2_CID_GAIN), 7);
+      "/dev/v4l/by-path/front uses 5 for camera.gain, which was to be 7; it takes 0 .. 5 in steps of 1");
 }
 
 TEST_F(CaptureTest, WaitsForADeviceWithGrowingPauses) {

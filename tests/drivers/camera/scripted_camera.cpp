@@ -15,8 +15,6 @@ constexpr std::uint32_t kPage = 4096;
 
 }  // namespace
 
-ScriptedCamera::ScriptedCamera() = default;
-
 int ScriptedCamera::open(const std::string& /*path*/) {
   if (!present) {
     return -ENOENT;
@@ -65,11 +63,19 @@ int ScriptedCamera::control(int fd, unsigned long request, void* argument) {
       return 0;
     case VIDIOC_S_CTRL: {
       const auto& wish = *static_cast<v4l2_control*>(argument);
-      return controls.contains(wish.id) ? (controls[wish.id] = wish.value, 0) : -EINVAL;
+      return controls.contains(wish.id) ? (controls[wish.id] = std::min(wish.value, largest_control), 0)
+                                        : -EINVAL;
     }
     case VIDIOC_G_CTRL: {
       auto& wish = *static_cast<v4l2_control*>(argument);
       return controls.contains(wish.id) ? (wish.value = controls[wish.id], 0) : -EINVAL;
+    }
+    case VIDIOC_QUERYCTRL: {
+      auto& range = *static_cast<v4l2_queryctrl*>(argument);
+      range.minimum = 0;
+      range.maximum = largest_control;
+      range.step = 1;
+      return 0;
     }
     case VIDIOC_REQBUFS:
     case VIDIOC_STREAMON:

@@ -39,8 +39,6 @@ class ScriptedCamera : public SystemCalls {
   /// From the stamp to the moment the picture can be fetched, ns.
   static constexpr std::int64_t kTransfer = 3'000'000;
 
-  ScriptedCamera();
-
   int open(const std::string& path) override;
   void close(int fd) override;
   int control(int fd, unsigned long request, void* argument) override;
@@ -60,6 +58,8 @@ class ScriptedCamera : public SystemCalls {
   std::function<void(v4l2_pix_format&)> change = [](v4l2_pix_format&) {};
   double rate = 25.0;
   std::map<std::uint32_t, std::int32_t> controls;
+  /// Of every control: a larger wish becomes this.
+  std::int32_t largest_control = 10'000;
   /// Answers of requests (VIDIOC_...) instead of their work, until they are erased.
   std::map<unsigned long, int> refusals;
   std::deque<Event> events;
