@@ -4,9 +4,9 @@
 
 #include <cerrno>
 
-#include "../../lcm_io/allocation_watch.h"
 #include "pictures.h"
 #include "scripted_camera.h"
+#include "support/allocation_watch.h"
 
 namespace rubble::camera {
 namespace {
@@ -260,9 +260,9 @@ TEST_F(CaptureTest, ASteadyStreamAsksForNoMemory) {
     camera_.content = format == V4L2_PIX_FMT_MJPEG ? jpegPicture() : yuyvPicture();
     capture_ = std::make_unique<Capture>(camera_, setup_, queue_, [this] { queue_.giveBack(queue_.pop()); });
     start(10);
-    lcm_io::watchAllocations();
+    test::watchAllocations();
     step(100);
-    EXPECT_EQ(lcm_io::largestAllocation(), 0U);
+    EXPECT_EQ(test::largestAllocation(), 0U);
   }
 }
 
