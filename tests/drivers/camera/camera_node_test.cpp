@@ -90,7 +90,7 @@ class WakingBus : public lcm_io::Bus {
 
  protected:
   void attach(const std::string& /*channel*/) override {}
-  bool send(const std::string& /*channel*/, lcm_io::Bytes /*data*/) override { return true; }
+  bool send(const std::string& /*channel*/, lcm_io::ByteView /*data*/) override { return true; }
 };
 
 TEST_F(CameraNodeTest, WakesTheBusForEveryPicture) {
