@@ -32,9 +32,8 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_RUBBLE_PACKAGE_NAME rubble)
-set(CPACK_DEBIAN_RUBBLE_DESCRIPTION "Real-time SLAM for rescue robots
- Monocular and grid SLAM, their fusion, a recogniser of victims, labels and codes, drivers and a console,
- as systemd services over LCM.")
+set(CPACK_DEBIAN_RUBBLE_DESCRIPTION 
+  "Monocular and grid SLAM, their fusion, a recogniser of victims, labels and codes, drivers and a console, as systemd services.")
 set(CPACK_DEBIAN_RUBBLE_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUBBLE_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUBBLE_PACKAGE_DEPENDS "systemd, iproute2")
@@ -47,8 +46,8 @@ set(CPACK_DEBIAN_RUBBLE_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/cmake/debian/postrm)
 set(CPACK_DEBIAN_RUBBLE_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_RUBBLE-DEV_PACKAGE_NAME rubble-dev)
-set(CPACK_DEBIAN_RUBBLE-DEV_DESCRIPTION "Messages of Rubble for other programs
- The LCM types, their C++ headers (/usr/include/rubble-lcmtypes) and the Java classes for lcm-spy.")
+set(CPACK_DEBIAN_RUBBLE-DEV_DESCRIPTION 
+  "The LCM types for other programs, their C++ headers (/usr/include/rubble-lcmtypes) and the Java classes for lcm-spy.")
 set(CPACK_DEBIAN_RUBBLE-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_RUBBLE-DEV_PACKAGE_DEPENDS "liblcm-dev")
 set(CPACK_DEBIAN_RUBBLE-DEV_PACKAGE_RECOMMENDS "liblcm-java, default-jre")
