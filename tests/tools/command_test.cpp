@@ -118,6 +118,16 @@ TEST(CommandTest, BadInputIsStatus1AndOneLine) {
   }
 }
 
+TEST(CommandTest, DoctorHearsWhatRunsAndWhatItLacks) {
+  RUBBLE_NEEDS_MULTICAST();
+  const std::string url = test::privateLcmUrl();
+  const ChildProcess lidar(
+      {RUBBLE_LIDAR, "--lcm-url", url, "--set", "lidar.connection=serial:///dev/no-lidar"});
+  const Outcome run = rubble({"doctor", "--lcm-url", url});
+  EXPECT_THAT(run.out, AllOf(HasSubstr("FIX  lidar: "), HasSubstr("/dev/no-lidar")));
+  EXPECT_EQ(run.status, 1);
+}
+
 TEST(CommandTest, EvaluationsSpeakJson) {
   const test::TempDir dir;
   const std::string tum = dir.write("a.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 1 1 0 0 0 0 1\n").string();

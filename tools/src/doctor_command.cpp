@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <rubble/health_t.hpp>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -11,6 +14,7 @@
 #include "command.h"
 #include "common/error.h"
 #include "host_programs.h"
+#include "lcm_io/channels.h"
 #include "lcm_io/host_checks.h"
 #include "lcm_io/lcm_bus.h"
 
@@ -38,10 +42,13 @@ HostCheck checkGraphicalJava() {
 HostCheck checkTypesJar() {
   const std::filesystem::path jar = typesJar();
   const bool ok = std::filesystem::exists(jar);
-  return {.name = "types for lcm-spy",
-          .ok = ok,
-          .text = ok ? jar.string()
-                     : fmt::format("{} is missing; fix: build the target rubble_types_jar", jar.string())};
+  return {
+      .name = "types for lcm-spy",
+      .ok = ok,
+      .text = ok ? jar.string()
+                 : fmt::format(
+                       "{} is missing; fix: apt-get install rubble-dev, or build the target rubble_types_jar",
+                       jar.string())};
 }
 
 /// A mission's log takes about 1 GB per hour.
@@ -77,6 +84,29 @@ HostCheck checkClock() {
                                y)};
 }
 
+/// What the processes that run say of themselves; their own texts name devices and fixes.
+std::vector<HostCheck> checkProcesses(const std::string& lcm_url) {
+  constexpr std::chrono::milliseconds kListen{2500};  // HEALTH comes once a second.
+  std::map<std::string, rubble::health_t> latest;
+  lcm_io::LcmBus bus(lcm_url, "doctor");
+  bus.subscribe<rubble::health_t>(lcm_io::channel::kHealth,
+                                  [&](const rubble::health_t& health) { latest[health.process] = health; });
+  const auto end = std::chrono::steady_clock::now() + kListen;
+  while (std::chrono::steady_clock::now() < end) {
+    bus.dispatch(std::chrono::milliseconds(100));
+  }
+  std::vector<HostCheck> checks;
+  for (const auto& [process, health] : latest) {
+    checks.push_back({.name = process,
+                      .ok = health.level == rubble::health_t::LEVEL_OK,
+                      .text = health.state + (health.detail.empty() ? "" : ": " + health.detail)});
+  }
+  if (checks.empty()) {
+    checks.push_back({.name = "processes", .ok = true, .text = "none runs"});
+  }
+  return checks;
+}
+
 struct Options {
   std::string lcm_url = lcm_io::kDefaultLcmUrl;
   std::string log_dir = ".";
@@ -91,6 +121,11 @@ void doctor(const Options& options) {
   checks.push_back(checkTypesJar());
   checks.push_back(checkDisk(options.log_dir));
   checks.push_back(checkClock());
+  // Where the bus cannot be opened, the checks above say why.
+  if (std::none_of(checks.begin(), checks.end(), [](const HostCheck& c) { return !c.ok && c.fatal; })) {
+    const std::vector<HostCheck> processes = checkProcesses(options.lcm_url);
+    checks.insert(checks.end(), processes.begin(), processes.end());
+  }
   int faults = 0;
   for (const HostCheck& check : checks) {
     fmt::print("{}  {}: {}\n", check.ok ? "OK " : "FIX", check.name, check.text);
@@ -105,8 +140,9 @@ void doctor(const Options& options) {
 
 void addDoctorCommand(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("doctor", "Check what this host needs for Rubble and say how to fix it");
+  CLI::App* command = app.add_subcommand(
+      "doctor",
+      "Check what this host needs for Rubble, hear the processes that run, and say how to fix what is wrong");
   command->add_option("--lcm-url", options->lcm_url, "The bus to check for")->capture_default_str();
   command->add_option("--log-dir", options->log_dir, "Where logs will go")->capture_default_str();
   command->footer("Example:\n  rubble doctor --log-dir /var/log/rubble\n");
