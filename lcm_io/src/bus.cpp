@@ -19,8 +19,8 @@ void Bus::subscribeAll(RawHandler handler) {
   attach(kEveryChannel);
 }
 
-void Bus::publishRaw(const std::string& channel, Bytes data) {
-  if (send(channel, std::move(data))) {
+void Bus::publishRaw(const std::string& channel, ByteView data) {
+  if (send(channel, data)) {
     ++published_[channel].count;
   } else {
     ++published_[channel].dropped;

@@ -103,7 +103,7 @@ void LcmBus::listen(const std::string& channel) {
   lcm_subscription_set_queue_capacity(subscription, kLcmQueue);
 }
 
-bool LcmBus::send(const std::string& channel, Bytes data) {
+bool LcmBus::send(const std::string& channel, ByteView data) {
   const ChannelInfo* info = findChannel(channel);
   if (info != nullptr && info->publisher == process_) {
     listen(channel);
@@ -112,38 +112,33 @@ bool LcmBus::send(const std::string& channel, Bytes data) {
     if (own.foreign) {
       return false;
     }
-    own.sent.push_back(hashOf(data));
-    if (own.sent.size() > kRememberedHashes) {
-      own.sent.pop_front();
+    if (own.sent.size() == kRememberedHashes) {
+      own.sent.erase(own.sent.begin());
     }
+    own.sent.push_back(hashOf(data));
   }
   return lcm_.publish(channel, data.data(), static_cast<unsigned int>(data.size())) == 0;
 }
 
-bool LcmBus::isForeign(const std::string& channel, ByteView data) {
-  const auto own = own_.find(channel);
-  if (own == own_.end()) {
-    return false;
+void LcmBus::compareWithSent(OwnChannel& own, std::uint64_t hash) {
+  const auto found = std::find(own.sent.begin(), own.sent.end(), hash);
+  if (found == own.sent.end()) {
+    own.foreign = true;
+  } else {
+    own.sent.erase(found);
   }
-  auto& sent = own->second.sent;
-  const auto found = std::find(sent.begin(), sent.end(), hashOf(data));
-  if (found == sent.end()) {
-    return true;
-  }
-  sent.erase(found);
-  return false;
 }
 
-void LcmBus::onMessage(const lcm_recv_buf_t& buffer, const std::string& channel) {
+void LcmBus::onMessage(const lcm_recv_buf_t& buffer, std::string_view channel) {
   const ByteView data(static_cast<const std::uint8_t*>(buffer.data), buffer.data_size);
-  RawMessage message{channel, buffer.recv_utime, Bytes(data.begin(), data.end())};
+  newest_utime_ = buffer.recv_utime;
   const std::lock_guard lock(mutex_);
-  newest_utime_ = message.receive_utime;
-  if (isForeign(channel, data)) {
-    own_[channel].foreign = true;
+  if (const auto own = own_.find(channel); own != own_.end()) {
+    compareWithSent(own->second, hashOf(data));
   }
+  // Only what is wanted is copied: most of what a publisher hears is its own.
   if (wanted_.contains(channel) || wanted_.contains(kEveryChannel)) {
-    enqueue(std::move(message));
+    enqueue({std::string(channel), buffer.recv_utime, Bytes(data.begin(), data.end())});
     arrived_.notify_one();
   }
 }

@@ -20,8 +20,8 @@ class ReplayHub::Endpoint : public Bus {
 
  private:
   void attach(const std::string& channel) override { channels_.insert(channel); }
-  bool send(const std::string& channel, Bytes data) override {
-    hub_.pending_.push_back({channel, hub_.now_, std::move(data)});
+  bool send(const std::string& channel, ByteView data) override {
+    hub_.pending_.push_back({channel, hub_.now_, Bytes(data.begin(), data.end())});
     return true;
   }
 

@@ -5,14 +5,16 @@
 #include <random>
 
 #include "all_types.h"
-#include "allocation_watch.h"
 #include "sample_messages.h"
+#include "support/allocation_watch.h"
 #include "support/error_text.h"
 
 namespace rubble::lcm_io {
 namespace {
 
 using test::errorOf;
+using test::largestAllocation;
+using test::watchAllocations;
 
 /// Elements of at most this size may be made for every byte of a message.
 constexpr std::size_t kLargestElement = 288;

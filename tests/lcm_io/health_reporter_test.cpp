@@ -140,7 +140,7 @@ class TroubledBus : public Bus {
 
  private:
   void attach(const std::string& /*channel*/) override {}
-  bool send(const std::string& /*channel*/, Bytes /*data*/) override { return true; }
+  bool send(const std::string& /*channel*/, ByteView /*data*/) override { return true; }
 };
 
 TEST_F(HealthReporterTest, AConflictIsAnErrorThatNamesTheChannel) {

@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bot_core/planar_lidar_t.hpp>
+#include <cmath>
 #include <csignal>
 #include <string>
 #include <vector>
 
+#include "lcm_io/channels.h"
 #include "lcm_io/lcm_bus.h"
 #include "lcm_io/log_file.h"
 #include "support/child_process.h"
@@ -54,7 +57,12 @@ TEST(CommandTest, EveryCommandHasHelpWithAnExample) {
                                                           {"eval", "marks"},
                                                           {"eval", "objects"},
                                                           {"arena"},
+                                                          {"emulate"},
+                                                          {"emulate", "lidar"},
+                                                          {"emulate", "lidar", "a", "--pty", "--port", "1"},
                                                           {"experiment"},
+                                                          {"emulate"},
+                                                          {"emulate", "lidar"},
                                                           {"doctor"},
                                                           {"spy"},
                                                           {"train"}};
@@ -96,6 +104,8 @@ TEST(CommandTest, BadInputIsStatus1AndOneLine) {
                                              {"export", "carmen", text, "--out", out},
                                              {"export", "tum", text, "--out", out},
                                              {"play", text},
+                                             {"emulate", "lidar", text},
+                                             {"emulate", "lidar", text, "--fault", "cut"},
                                              {"eval", "ate", text, text, "--align", "sim3"},
                                              {"eval", "relations", text, text},
                                              {"eval", "map", text, text},
@@ -148,6 +158,63 @@ TEST(CommandTest, PlayReachesTheBusAndStopsOnSigint) {
   play.signal(SIGINT);  // It waits for the message one hour later.
   EXPECT_EQ(play.wait(), 0);
   EXPECT_THAT(play.out(), HasSubstr("stopped after 1 messages"));
+}
+
+/// A log of `count` scans at 20 Hz, 181 beams of 1 m and i cm.
+std::string scanLog(const test::TempDir& dir, int count) {
+  const std::string log = (dir.path() / "scans.lcm").string();
+  lcm_io::LogWriter writer(log);
+  for (int i = 0; i < count; ++i) {
+    bot_core::planar_lidar_t scan{};
+    scan.utime = 1'700'000'000'000'000 + 50'000 * i;
+    scan.nranges = 181;
+    scan.ranges.assign(181, 1.0F + 0.01F * static_cast<float>(i));
+    scan.rad0 = static_cast<float>(-M_PI / 2);
+    scan.radstep = static_cast<float>(M_PI / 180);
+    writer.writeMessage(scan.utime, lcm_io::channel::kScan, scan);
+  }
+  writer.close();
+  return log;
+}
+
+TEST(CommandTest, EmulatedLidarEndsWithItsLog) {
+  const test::TempDir dir;
+  const Outcome run = rubble({"emulate", "lidar", scanLog(dir, 5), "--port", "0"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("LiDAR at tcp://127.0.0.1:"), HasSubstr("181 beams, 20.0 Hz"),
+                             HasSubstr("sent 0 scans")));
+}
+
+TEST(CommandTest, EmulatedLidarFeedsTheDriver) {
+  RUBBLE_NEEDS_MULTICAST();
+  const test::TempDir dir;
+  ChildProcess emulator(
+      {RUBBLE_PROGRAM, "emulate", "lidar", scanLog(dir, 5), "--pty", "--loop", "--fault", "checksum@0"});
+  const std::string before = "LiDAR at ";
+  ASSERT_TRUE(test::waitUntil([&] {
+    emulator.wait(std::chrono::milliseconds(10));
+    return emulator.out().find('\n') != std::string::npos;
+  })) << emulator.err();
+  const std::string address = emulator.out().substr(before.size(), emulator.out().find(": ") - before.size());
+  const std::string url = test::privateLcmUrl();
+  lcm_io::LcmBus bus(url, "test");
+  std::vector<bot_core::planar_lidar_t> scans;
+  bus.subscribe<bot_core::planar_lidar_t>(lcm_io::channel::kScan,
+                                          [&](const auto& scan) { scans.push_back(scan); });
+  ChildProcess driver({RUBBLE_LIDAR, "--lcm-url", url, "--set", "lidar.connection=" + address});
+  ASSERT_TRUE(
+      test::waitUntil([&] { return bus.dispatch(std::chrono::milliseconds(10)) && scans.size() >= 10; }));
+  EXPECT_EQ(scans[0].nranges, 181);
+  EXPECT_NEAR(scans[0].rad0, -M_PI / 2, 1e-6);
+  for (const auto& scan : scans) {
+    const float centimetres = 100.0F * (scan.ranges[90] - 1.0F);
+    EXPECT_NEAR(centimetres, std::round(centimetres), 0.01);
+    EXPECT_LT(centimetres, 4.5F);
+  }
+  driver.signal(SIGTERM);
+  EXPECT_EQ(driver.wait(), 0) << driver.err();
+  emulator.signal(SIGINT);
+  EXPECT_EQ(emulator.wait(), 0) << emulator.err();
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ void addEvalCommand(CLI::App& app);
 void addEvalMarksCommand(CLI::App& eval);  // Of `rubble eval`.
 void addArenaCommand(CLI::App& app);
 void addExperimentCommand(CLI::App& app);
+void addEmulateCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);
 void addSpyCommand(CLI::App& app);
 void addTrainCommand(CLI::App& app);

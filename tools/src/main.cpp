@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   addEvalCommand(app);
   addArenaCommand(app);
   addExperimentCommand(app);
+  addEmulateCommand(app);
   addDoctorCommand(app);
   addSpyCommand(app);
   addTrainCommand(app);

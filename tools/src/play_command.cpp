@@ -59,7 +59,7 @@ void play(const Options& options) {
   }
   const PlayResult result =
       playLog(options.log, options.speed,
-              {[&](lcm_io::LogEvent& event) { bus.publishRaw(event.channel, std::move(event.data)); },
+              {[&](lcm_io::LogEvent& event) { bus.publishRaw(event.channel, event.data); },
                [&](std::chrono::steady_clock::time_point deadline) { return stop.waitUntil(deadline); }});
   std::int64_t refused = 0;
   for (const auto& [channel, stats] : bus.published()) {

@@ -60,11 +60,14 @@ class Bus {
   /// Every channel without a handler of its own.
   void subscribeAll(RawHandler handler);
 
+  /// Allocates nothing once messages of this size have been published (channel names beyond 15 characters
+  /// aside).
   template <typename Message>
   void publish(const std::string& channel, const Message& message) {
-    publishRaw(channel, encode(message));
+    encodeInto(message, encoded_);
+    publishRaw(channel, encoded_);
   }
-  void publishRaw(const std::string& channel, Bytes data);
+  void publishRaw(const std::string& channel, ByteView data);
 
   /// Handles one message. False when none came within the time or none can come any more (ended()).
   virtual bool dispatch(std::chrono::milliseconds timeout) = 0;
@@ -91,8 +94,8 @@ class Bus {
  protected:
   /// Makes a channel's messages (`kEveryChannel`: all) arrive at dispatch().
   virtual void attach(const std::string& channel) = 0;
-  /// False when the message was held back.
-  virtual bool send(const std::string& channel, Bytes data) = 0;
+  /// The data is the caller's. False when the message was held back.
+  virtual bool send(const std::string& channel, ByteView data) = 0;
 
   void deliver(const RawMessage& message);
   void noteDropped(const std::string& channel, std::int64_t dropped) { received_[channel].dropped = dropped; }
@@ -106,6 +109,7 @@ class Bus {
   RawHandler all_handler_;
   ChannelStatsMap received_;
   ChannelStatsMap published_;
+  Bytes encoded_;  // Of the message that is being published.
 };
 
 }  // namespace rubble::lcm_io

@@ -15,12 +15,18 @@ namespace rubble::lcm_io {
 using Bytes = std::vector<std::uint8_t>;
 using ByteView = std::span<const std::uint8_t>;
 
-/// The bytes of a generated LCM message, fingerprint first.
+/// The bytes of a generated LCM message, fingerprint first, into `bytes`, whose memory is used again.
 template <typename Message>
-Bytes encode(const Message& message) {
-  Bytes bytes(static_cast<std::size_t>(message.getEncodedSize()));
+void encodeInto(const Message& message, Bytes& bytes) {
+  bytes.resize(static_cast<std::size_t>(message.getEncodedSize()));
   const int size = message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   RUBBLE_CHECK(size == static_cast<int>(bytes.size()));
+}
+
+template <typename Message>
+Bytes encode(const Message& message) {
+  Bytes bytes;
+  encodeInto(message, bytes);
   return bytes;
 }
 

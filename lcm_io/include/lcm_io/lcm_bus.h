@@ -3,12 +3,15 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "lcm_io/bus.h"
 
@@ -39,16 +42,16 @@ class LcmBus : public Bus {
 
  private:
   struct OwnChannel {
-    std::deque<std::uint64_t> sent;  // Hashes of what we sent and have not heard back.
+    std::vector<std::uint64_t> sent;  // Hashes of what we sent and have not heard back, oldest first.
     bool foreign = false;
   };
 
   void attach(const std::string& channel) override;
-  bool send(const std::string& channel, Bytes data) override;
+  bool send(const std::string& channel, ByteView data) override;
   void receive();
   void listen(const std::string& channel);
-  void onMessage(const lcm_recv_buf_t& buffer, const std::string& channel);
-  bool isForeign(const std::string& channel, ByteView data);
+  void onMessage(const lcm_recv_buf_t& buffer, std::string_view channel);
+  void compareWithSent(OwnChannel& own, std::uint64_t hash);
   void enqueue(RawMessage message);
   void dropOldest(const std::string& channel);
 
@@ -62,8 +65,8 @@ class LcmBus : public Bus {
   std::size_t inbox_bytes_ = 0;
   std::map<std::string, std::size_t> inbox_count_;
   ChannelStatsMap inbox_stats_;
-  std::map<std::string, OwnChannel> own_;
-  std::set<std::string> wanted_;  // What dispatch() shall hand out.
+  std::map<std::string, OwnChannel, std::less<>> own_;
+  std::set<std::string, std::less<>> wanted_;  // What dispatch() shall hand out.
   bool woken_ = false;
   std::atomic<bool> stopping_ = false;
   common::Utime stop_utime_ = 0;    // Written before stopping_.

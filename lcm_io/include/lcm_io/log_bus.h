@@ -24,7 +24,7 @@ class LogBus : public Bus {
 
  private:
   void attach(const std::string& /*channel*/) override {}
-  bool send(const std::string& /*channel*/, Bytes /*data*/) override { return false; }
+  bool send(const std::string& /*channel*/, ByteView /*data*/) override { return false; }
 
   LogReader log_;
   common::Utime now_ = 0;
