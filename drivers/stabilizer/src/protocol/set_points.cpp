@@ -14,12 +14,14 @@ bool isFinite(const PerAxis& values) { return std::isfinite(values[0]) && std::i
 }  // namespace
 
 bool SetPoints::command(const PlateCommand& command, common::Utime now) {
-  const bool is_older = follows(now) && command.utime < command_.utime;
+  // Much older: the clock was set back.
+  const common::Utime late = command_.utime - command.utime;
+  const bool is_older = follows(now) && late > 0 && late < common::kMicrosecondsPerSecond;
   if (command.valid_until < now || is_older || !isFinite(command.angles) || !isFinite(command.rates)) {
     return false;
   }
   command_ = command;
-  beginWay(now);
+  beginWay(std::clamp(utime_, now - kLongestStep, now));
   return true;
 }
 
@@ -67,8 +69,8 @@ double SetPoints::wanted(std::size_t axis, common::Utime now) const {
          (s3 - s2) * duration * end_rate;
 }
 
-void SetPoints::beginWay(common::Utime now) {
-  begin_ = now;
+void SetPoints::beginWay(common::Utime utime) {
+  begin_ = utime;
   begin_angles_ = angles_;
   begin_rates_ = rates_;
 }

@@ -18,8 +18,8 @@ struct PlateCommand {
   PerAxis rates{};
 };
 
-/// Makes a smooth way through commands. Before a command's time: the cubic from where the set-point was when
-/// the command came, and how fast, to the command's angle and rate; after it: on with its rate until it
+/// Makes a smooth way through commands. Before a command's time: the cubic from the set-point before the
+/// command came, and its rate, to the command's angle and rate; after it: on with its rate until it
 /// expires; then it holds. Never outside the range (but for where the plate was found), never faster than the
 /// limit.
 class SetPoints {
@@ -51,7 +51,7 @@ class SetPoints {
 
  private:
   double wanted(std::size_t axis, common::Utime now) const;
-  void beginWay(common::Utime now);
+  void beginWay(common::Utime utime);
 
   const Limits limits_;
   PlateCommand command_{.valid_until = -1};
