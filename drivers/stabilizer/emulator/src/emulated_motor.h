@@ -1,6 +1,6 @@
 #pragma once
 
-#include "protocol/drive.h"
+#include "protocol/tick.h"
 
 namespace rubble::stabilizer {
 

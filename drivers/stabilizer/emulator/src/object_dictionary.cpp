@@ -131,7 +131,11 @@ std::uint32_t ObjectDictionary::mappingRefusal(std::uint16_t mapping, std::uint8
   }
   std::uint32_t bits = 0;
   for (std::uint8_t i = 1; i <= value; ++i) {
-    bits += get({mapping, i}) & 0xFF;
+    const std::uint32_t mapped = get({mapping, i});
+    if (mapped == 0) {
+      return kNotMappable;
+    }
+    bits += mapped & 0xFF;
   }
   return bits > 64 ? kPdoTooLong : 0;
 }

@@ -57,8 +57,11 @@ class StabilizerEmulator::Impl {
       : increments_per_rad_(model.increments_per_rad),
         port_(std::move(port)),
         drives_{EmulatedDrive(model.nodes[0], model), EmulatedDrive(model.nodes[1], model)},
-        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-        thread_([this] { run(); }) {}
+        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    constexpr std::size_t kMostAtOnce = 16;
+    frames_.reserve(kMostAtOnce);
+    thread_ = std::thread([this] { run(); });
+  }
 
   ~Impl() {
     {
@@ -73,14 +76,19 @@ class StabilizerEmulator::Impl {
 
   void inject(std::size_t axis, DriveFault fault) {
     const std::lock_guard lock(mutex_);
-    rethrow();
     drives_.at(axis).inject(fault, frames_);
     ::eventfd_write(wake_.get(), 1);
   }
 
+  void check() const {
+    const std::lock_guard lock(mutex_);
+    if (error_) {
+      std::rethrow_exception(error_);
+    }
+  }
+
   double angle(std::size_t axis) const {
     const std::lock_guard lock(mutex_);
-    rethrow();
     return drives_.at(axis).position() / increments_per_rad_;
   }
 
@@ -125,12 +133,6 @@ class StabilizerEmulator::Impl {
     return static_cast<int>((std::clamp(next - tick(), Tick{0}, kLongest) + 999) / 1000);
   }
 
-  void rethrow() const {
-    if (error_) {
-      std::rethrow_exception(error_);
-    }
-  }
-
   const double increments_per_rad_;
   mutable std::mutex mutex_;
   const std::unique_ptr<CanPort> port_;
@@ -148,6 +150,8 @@ StabilizerEmulator::StabilizerEmulator(const EmulatedModel& model, std::unique_p
 StabilizerEmulator::~StabilizerEmulator() = default;
 
 void StabilizerEmulator::inject(std::size_t axis, DriveFault fault) { impl_->inject(axis, fault); }
+
+void StabilizerEmulator::check() const { impl_->check(); }
 
 double StabilizerEmulator::angle(std::size_t axis) const { return impl_->angle(axis); }
 

@@ -13,7 +13,6 @@ constexpr int kSdoTries = 3;
 constexpr Tick kStatusTimeout = 300'000;
 constexpr Tick kEnableTimeout = 2'000'000;
 constexpr Tick kFollowTimeout = 500'000;
-constexpr Tick kResetPulse = 100'000;
 constexpr Tick kSettled = 10'000'000;
 
 constexpr std::uint32_t kCia402Profile = 402;  // The low 16 bits of the device type.
@@ -24,8 +23,7 @@ Drive::Drive(const DriveOptions& options)
     : options_(options),
       steps_(setupSteps(options.setup)),
       pause_(options.first_pause),
-      resets_left_(options.fault_resets),
-      fault_pause_(options.first_pause) {}
+      fault_reset_(options.fault_resets, options.first_pause, options.longest_pause) {}
 
 void Drive::restart(Tick now) {
   enter(Phase::kPause, now);
@@ -124,7 +122,7 @@ void Drive::onStatus(const DriveReading& reading, Tick now) {
   } else if (phase_ == Phase::kEnabling && state == DriveState::kOperationEnabled) {
     enter(Phase::kEnabled, now);
     followed_ = now;
-    reset_begin_ = 0;
+    fault_reset_.end();
     pause_ = options_.first_pause;
     solve(now);
   } else if (phase_ == Phase::kEnabled && state != DriveState::kOperationEnabled) {
@@ -201,14 +199,13 @@ void Drive::watch(Tick now, std::int32_t target) {
     return lose({.kind = Problem::Kind::kNoStatus}, now);
   }
   if (!enabled()) {
-    if (now - phase_begin_ > kEnableTimeout && reset_begin_ == 0) {
+    if (now - phase_begin_ > kEnableTimeout && !fault_reset_.inFault()) {
       report({.kind = Problem::Kind::kNotEnabled, .state = stateOf(reading_->statusword)});
     }
     return;
   }
   if (now - phase_begin_ > kSettled) {
-    resets_left_ = options_.fault_resets;
-    fault_pause_ = options_.first_pause;
+    fault_reset_.forget();
   }
   if (std::llabs(std::int64_t{target} - reading_->position) <= options_.following_error) {
     followed_ = now;
@@ -221,11 +218,18 @@ void Drive::watch(Tick now, std::int32_t target) {
 std::uint16_t Drive::controlword(Tick now) {
   const DriveState state = stateOf(reading_->statusword);
   if (state == DriveState::kFault) {
-    return resetFault(now);
+    if (!fault_reset_.inFault()) {
+      report({.kind = Problem::Kind::kFault, .code = emergency_});
+    }
+    const std::uint16_t word = fault_reset_.advance(now);
+    status_.fault_resets = fault_reset_.count();
+    if (fault_reset_.isGivenUp()) {
+      status_.problem.kind = Problem::Kind::kFaultForGood;
+    }
+    return word;
   }
-  if (reset_begin_ != 0 && state != DriveState::kFaultReaction) {
-    // The fault is gone; the time to enable begins anew.
-    reset_begin_ = 0;
+  if (state != DriveState::kFaultReaction && fault_reset_.end()) {
+    // The time to enable begins anew.
     phase_begin_ = now;
   }
   std::uint16_t word = commandTowardsEnabled(state);
@@ -236,39 +240,12 @@ std::uint16_t Drive::controlword(Tick now) {
   return word;
 }
 
-std::uint16_t Drive::resetFault(Tick now) {
-  if (reset_begin_ == 0) {
-    report({.kind = Problem::Kind::kFault, .code = emergency_});
-    reset_begin_ = now + fault_pause_;
-    resetting_ = false;
-  }
-  if (resets_left_ == 0 && !resetting_) {
-    status_.problem.kind = Problem::Kind::kFaultForGood;
-    return control::kDisableVoltage;
-  }
-  if (now < reset_begin_) {
-    return control::kDisableVoltage;
-  }
-  if (!resetting_) {
-    resetting_ = true;
-    --resets_left_;
-    ++status_.fault_resets;
-    fault_pause_ = std::min(2 * fault_pause_, options_.longest_pause);
-  }
-  if (now < reset_begin_ + kResetPulse) {
-    return control::kFaultReset;
-  }
-  resetting_ = false;
-  reset_begin_ = now + fault_pause_;
-  return control::kDisableVoltage;
-}
-
 void Drive::enter(Phase phase, Tick now) {
   phase_ = phase;
   phase_begin_ = now;
   if (phase < Phase::kEnabling) {
     reading_.reset();
-    reset_begin_ = 0;
+    fault_reset_.end();
   }
 }
 
@@ -277,8 +254,7 @@ void Drive::beginSetup(Tick now) {
   step_ = 0;
   step_tries_ = 0;
   emergency_ = 0;
-  resets_left_ = options_.fault_resets;
-  fault_pause_ = options_.first_pause;
+  fault_reset_.forget();
 }
 
 void Drive::lose(const Problem& problem, Tick now) {

@@ -4,15 +4,13 @@
 #include <optional>
 #include <vector>
 
-#include "common/time.h"
 #include "protocol/canopen.h"
 #include "protocol/drive_setup.h"
+#include "protocol/fault_reset.h"
 #include "protocol/problem.h"
+#include "protocol/tick.h"
 
 namespace rubble::stabilizer {
-
-/// Microseconds of a clock that is never set.
-using Tick = std::int64_t;
 
 struct DriveOptions {
   DriveSetup setup;
@@ -81,7 +79,6 @@ class Drive {
   void proceedSetup(Tick now, std::vector<CanFrame>& frames);
   void watch(Tick now, std::int32_t target);
   std::uint16_t controlword(Tick now);
-  std::uint16_t resetFault(Tick now);
   void lose(const Problem& problem, Tick now);
   void report(const Problem& problem);
   void solve(Tick now);
@@ -106,10 +103,7 @@ class Drive {
   Tick followed_ = 0;  // When the position last was near the set-point.
 
   std::uint16_t emergency_ = 0;  // The last code; 0: none, or gone.
-  int resets_left_ = 0;
-  Tick reset_begin_ = 0;  // Of the next fault reset, or the one being sent; 0: in no fault.
-  bool resetting_ = false;
-  Tick fault_pause_ = 0;
+  FaultReset fault_reset_;
 };
 
 }  // namespace rubble::stabilizer

@@ -41,10 +41,13 @@ class StabilizerEmulator {
   StabilizerEmulator(const StabilizerEmulator&) = delete;
   StabilizerEmulator& operator=(const StabilizerEmulator&) = delete;
 
-  /// `axis`: 0 roll, 1 pitch. Throws what the port has thrown.
+  /// `axis`: 0 roll, 1 pitch.
   void inject(std::size_t axis, DriveFault fault);
 
-  /// True angle of the axis, rad. Throws what the port has thrown.
+  /// Throws what has ended the drives: the port's common::Error.
+  void check() const;
+
+  /// True angle of the axis, rad.
   double angle(std::size_t axis) const;
 
  private:
