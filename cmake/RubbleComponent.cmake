@@ -18,7 +18,6 @@ function(rubble_program name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LINK} rubble_warnings)
-  install(TARGETS ${name} RUNTIME)
 endfunction()
 
 # rubble_tests(NAME LABEL SOURCES ... LINK ... [DEFINE ...])

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <fstream>
 
 namespace rubble::lcm_io {
 
@@ -54,16 +53,27 @@ HostCheck checkMulticastRoute(const std::string& group) {
   return check;
 }
 
-HostCheck checkReceiveBuffer(int wanted) {
-  constexpr const char* kPath = "/proc/sys/net/core/rmem_max";
-  HostCheck check{"receive buffer", false, false, {}};
+/// What the kernel grants is asked on a socket: a service in its sandbox sees no /proc/sys.
+int grantedReceiveBuffer(int wanted) {
+  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) {
+    return 0;
+  }
   int granted = 0;
-  std::ifstream(kPath) >> granted;
+  socklen_t size = sizeof(granted);
+  ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &wanted, sizeof(wanted));
+  ::getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &granted, &size);
+  ::close(fd);
+  return granted / 2;  // The kernel counts its own overhead as well (socket(7)).
+}
+
+HostCheck checkReceiveBuffer(int wanted) {
+  HostCheck check{"receive buffer", false, false, {}};
   if (wanted <= 0) {
     check.text =
         "the LCM URL asks for no recv_buf_size, messages over 200 kB will be lost; "
         "fix: add recv_buf_size=4194304 to --lcm-url";
-  } else if (granted < wanted) {
+  } else if (const int granted = grantedReceiveBuffer(wanted); granted < wanted) {
     check.text = fmt::format(
         "the kernel grants {} of {} bytes, large messages will be lost; "
         "fix: sysctl -w net.core.rmem_max=8388608",

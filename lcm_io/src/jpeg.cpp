@@ -27,10 +27,10 @@ int bigEndian16(ByteView bytes) { return bytes[0] << 8 | bytes[1]; }
 
 }  // namespace
 
-bool isWholeJpeg(ByteView bytes) {
+ByteView wholeJpeg(ByteView bytes) {
   const std::size_t scan = lastMarker(bytes, kStartOfScan);
   const std::size_t end = lastMarker(bytes, kEndOfImage);
-  return scan < end && end < bytes.size();
+  return scan < end && end < bytes.size() ? bytes.first(end + 2) : ByteView();
 }
 
 std::optional<JpegSize> jpegSize(ByteView bytes) {

@@ -59,6 +59,11 @@ class Reporter {
 
   void report(const Node& node) {
     NodeStatus status = node.status();
+    const std::string hung = node.hung();
+    if (!hung.empty()) {
+      status.level = NodeStatus::Level::kError;
+      status.detail = hung + (status.detail.empty() ? "" : "; ") + status.detail;
+    }
     if (!host_warnings_.empty()) {
       status.level = std::max(status.level, NodeStatus::Level::kDegraded);
       status.detail += (status.detail.empty() ? "" : "; ") + host_warnings_;
@@ -72,7 +77,7 @@ class Reporter {
                   "{}", line);
       last_line_ = line;
     }
-    ::sd_notifyf(0, "WATCHDOG=1\nSTATUS=%s", line.c_str());
+    ::sd_notifyf(0, "%sSTATUS=%s", hung.empty() ? "WATCHDOG=1\n" : "", line.c_str());
   }
 
  private:

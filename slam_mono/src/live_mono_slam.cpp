@@ -105,6 +105,7 @@ struct LiveMonoSlam::State {
         bundle_job = LoopJob{to_adjust, todo_closure->keyframe};
       }
       mapping = false;
+      ++finished;
       changed.notify_all();
     }
   }
@@ -133,6 +134,7 @@ struct LiveMonoSlam::State {
         closure = std::move(found);
       }
       closing = false;
+      ++finished;
       changed.notify_all();
     }
   }
@@ -160,6 +162,7 @@ struct LiveMonoSlam::State {
   std::optional<FullBundle> full_bundle;
   std::optional<LoopJob> bundle_job;
   std::deque<LoopJob> loop_jobs;
+  std::int64_t finished = 0;
   bool mapping = false;
   bool closing = false;
   bool stopping = false;
@@ -201,6 +204,11 @@ FrameResult LiveMonoSlam::addFrame(common::Utime utime, orb::Features features) 
 }
 
 std::vector<FrameResult> LiveMonoSlam::takeLocated() { return std::exchange(state_->located, {}); }
+
+SlamEngine::Backlog LiveMonoSlam::backlog() const {
+  const std::scoped_lock lock(state_->mutex);
+  return {state_->finished, !state_->idle()};
+}
 
 std::shared_ptr<const Map> LiveMonoSlam::map() const {
   const std::scoped_lock lock(state_->mutex);

@@ -38,7 +38,8 @@ using lcm_io::Node;
 using lcm_io::NodeStatus;
 using Intrinsics = common::RobotConfig::Intrinsics;
 
-constexpr std::size_t kMostRevisits = 20;  // keyframes of one request
+constexpr Utime kLongestJob = 60 * common::kMicrosecondsPerSecond;  // of mapping and loop closing
+constexpr std::size_t kMostRevisits = 20;                           // keyframes of one request
 
 bool sameCamera(const Intrinsics& a, const Intrinsics& b) {
   return a.width == b.width && a.height == b.height && a.model == b.model && a.focal == b.focal &&
@@ -73,6 +74,17 @@ class SlamMonoNode : public Node {
         picture_width_ == configured_camera_.width && picture_height_ == configured_camera_.height) {
       start(configured_camera_, "robot.camera of the configuration, no CAMERA_INFO was heard");
     }
+    const SlamEngine::Backlog backlog = slam_ ? slam_->backlog() : SlamEngine::Backlog{};
+    if (!backlog.waiting || backlog.finished != finished_jobs_) {
+      finished_jobs_ = backlog.finished;
+      last_progress_ = now;
+    }
+    now_ = now;
+  }
+
+  std::string hung() const override {
+    return now_ - last_progress_ > kLongestJob ? "mapping or loop closing has not finished a job for a minute"
+                                               : "";
   }
 
   void finish() override {
@@ -128,6 +140,9 @@ class SlamMonoNode : public Node {
   int picture_height_ = 0;
   Utime last_utime_ = std::numeric_limits<Utime>::min();
   Utime last_map_utime_ = 0;
+  Utime now_ = 0;
+  Utime last_progress_ = 0;  // When no job waited, or the last one was finished.
+  std::int64_t finished_jobs_ = 0;
   bool camera_changed_ = false;
 
   std::filesystem::path checkpoint_path_;  // Empty: nothing is kept.

@@ -6,8 +6,11 @@
 
 namespace rubble::lcm_io {
 
-/// Whether the last scan is followed by an end of image. libjpeg shows what is missing grey and says nothing.
-bool isWholeJpeg(ByteView bytes);
+/// The bytes up to the end of image that follows the last scan; empty without one. libjpeg shows what is
+/// missing grey and says nothing; cameras fill their buffers up behind it.
+ByteView wholeJpeg(ByteView bytes);
+
+inline bool isWholeJpeg(ByteView bytes) { return !wholeJpeg(bytes).empty(); }
 
 struct JpegSize {
   int width = 0;   ///< pixels

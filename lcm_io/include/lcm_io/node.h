@@ -34,6 +34,10 @@ class Node {
   virtual void finish() {}
 
   virtual NodeStatus status() const = 0;
+
+  /// Which of the node's own threads works no more, in words; empty when all do. systemd's watchdog is fed
+  /// only then, so that a process that says so is started again.
+  virtual std::string hung() const { return {}; }
 };
 
 }  // namespace rubble::lcm_io

@@ -18,6 +18,7 @@ class LiveMonoSlam final : public SlamEngine {
 
   FrameResult addFrame(common::Utime utime, orb::Features features) override;
   std::vector<FrameResult> takeLocated() override;
+  Backlog backlog() const override;
   std::shared_ptr<const Map> map() const override;
   void replaceMap(Map map) override;
   void finish() override;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -21,6 +22,14 @@ class SlamEngine {
 
   /// Poses of earlier pictures that were found only after a map had started; each is handed out once.
   virtual std::vector<FrameResult> takeLocated() = 0;
+
+  /// What other threads have to do. Whoever sees work wait and none be finished for long knows that one
+  /// hangs.
+  struct Backlog {
+    std::int64_t finished = 0;  ///< jobs since the start
+    bool waiting = false;
+  };
+  virtual Backlog backlog() const { return {}; }
 
   /// The map as it is now.
   virtual std::shared_ptr<const Map> map() const = 0;
