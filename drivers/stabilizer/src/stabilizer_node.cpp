@@ -7,6 +7,7 @@
 #include <rubble/stabilizer_t.hpp>
 #include <utility>
 
+#include "common/error.h"
 #include "device/socket_can.h"
 #include "lcm_io/channels.h"
 #include "stabilizer_config.h"
@@ -110,6 +111,9 @@ lcm_io::NodeStatus StabilizerNode::status() const {
 }
 
 std::unique_ptr<lcm_io::Node> makeStabilizerNode(const lcm_io::ProcessContext& context) {
+  if (!context.live) {
+    throw common::Error("rubble-stabilizer drives a plate and reads no log; give a live --lcm-url");
+  }
   const auto config = context.config.read<StabilizerConfig>("stabilizer");
   return std::make_unique<StabilizerNode>(
       context.bus, driverOptions(config), config.interface,

@@ -31,7 +31,7 @@ constexpr canid_t kNodeBits = 0x7F;
   const char* fix = "is it a CAN interface that is up?";
   switch (error) {
     case ENETDOWN:
-      fix = "ip link set it up, type can bitrate 1000000 restart-ms 100";
+      fix = "bring it up: ip link set NAME up type can bitrate 500000 restart-ms 100";
       break;
     case ENODEV:
     case ENXIO:
