@@ -67,16 +67,13 @@ lcm_io::NodeStatus StabilizerNode::status() const {
                      {"frames_unsent", driver.frames_unsent},
                      {"bus_errors", pair.bus_errors},
                      {"interface_failures", driver.port_failures}};
-  status.state = !driver.open     ? "failed"
-                 : !pair.enabled  ? "starting"
-                 : pair.following ? "following"
-                                  : "holding";
+  status.state = !pair.enabled ? "starting" : pair.following ? "following" : "holding";
   if (!driver.port_problem.empty()) {
     add(status, driver.open ? Level::kDegraded : Level::kError,
         fmt::format("CAN interface {} {}{}", interface_, driver.open ? "works again; before: it " : "",
                     driver.port_problem));
+    status.state = driver.open ? status.state : "failed";
   }
-  bool is_explained = !driver.port_problem.empty();
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     const DriveStatus& drive = pair.drives[i];
     const std::string name = fmt::format("{} drive (node {})", kNames[i], nodes_[i]);
@@ -91,7 +88,6 @@ lcm_io::NodeStatus StabilizerNode::status() const {
       if (!drive.solved && !pair.enabled) {
         status.state = "failed";
       }
-      is_explained = true;
     }
     if (pair.limited[i]) {
       add(status, Level::kDegraded,
@@ -102,9 +98,9 @@ lcm_io::NodeStatus StabilizerNode::status() const {
   if (pair.bus_error != BusError::kNone) {
     add(status, Level::kDegraded, fmt::format("CAN interface {}: {}", interface_, describe(pair.bus_error)));
   }
-  if (!is_explained && !pair.enabled) {
+  if (status.detail.empty() && !pair.enabled) {
     add(status, Level::kDegraded, "the drives are being set up");
-  } else if (pair.enabled && !pair.following) {
+  } else if (driver.open && pair.enabled && !pair.following) {
     add(status, Level::kDegraded, "it holds: no STABILIZER_COMMAND is valid; does rubble-fusion run?");
   }
   return status;

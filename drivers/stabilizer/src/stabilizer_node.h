@@ -15,7 +15,7 @@ namespace rubble::stabilizer {
 /// how the drives are.
 class StabilizerNode : public lcm_io::Node {
  public:
-  /// `interface` and `nodes` are for HEALTH's words.
+  /// `interface` is for HEALTH's words; `open` opens it.
   StabilizerNode(lcm_io::Bus& bus, const StabilizerDriver::Options& options, const std::string& interface,
                  OpenCanPort open);
 
