@@ -1,7 +1,5 @@
 #include "protocol/drive_pair.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
