@@ -68,7 +68,12 @@ lcm_io::NodeStatus StabilizerNode::status() const {
                      {"bus_errors", pair.bus_errors},
                      {"interface_failures", driver.port_failures}};
   status.state = !pair.enabled ? "starting" : pair.following ? "following" : "holding";
-  if (!driver.port_problem.empty()) {
+  // What works again is news only while nothing is broken.
+  const bool is_broken =
+      !driver.open || std::any_of(pair.drives.begin(), pair.drives.end(), [](const DriveStatus& drive) {
+        return drive.problem.kind != Problem::Kind::kNone && !drive.solved;
+      });
+  if (!driver.port_problem.empty() && (!driver.open || !is_broken)) {
     add(status, driver.open ? Level::kDegraded : Level::kError,
         fmt::format("CAN interface {} {}{}", interface_, driver.open ? "works again; before: it " : "",
                     driver.port_problem));
@@ -81,7 +86,7 @@ lcm_io::NodeStatus StabilizerNode::status() const {
     status.counters[fmt::format("{}_fault_resets", kNames[i])] = drive.fault_resets;
     status.counters[fmt::format("{}_emergencies", kNames[i])] = drive.emergencies;
     status.counters[fmt::format("{}_unexpected", kNames[i])] = drive.unexpected;
-    if (driver.open && drive.problem.kind != Problem::Kind::kNone) {
+    if (driver.open && drive.problem.kind != Problem::Kind::kNone && !(drive.solved && is_broken)) {
       add(status, drive.solved ? Level::kDegraded : Level::kError,
           fmt::format("{} {}{}", name, drive.solved ? "works again; before: it " : "",
                       describe(drive.problem)));
