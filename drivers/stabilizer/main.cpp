@@ -1,17 +1,15 @@
-#include <memory>
-
-#include "lcm_io/placeholder_node.h"
 #include "lcm_io/process.h"
+#include "stabilizer_config.h"
+#include "stabilizer_node.h"
 
 int main(int argc, char** argv) {
   return rubble::lcm_io::runProcess(
       argc, argv,
       {.name = "stabilizer",
-       .purpose = "SocketCAN driver of the two-servo LiDAR stabiliser: STABILIZER_COMMAND to STABILIZER.",
-       .make_node =
-           [](const auto&) {
-             return std::make_unique<rubble::lcm_io::PlaceholderNode>(
-                 "the stabiliser driver is not written yet");
-           },
-       .describe_config = [](const auto&) { return std::string("# no parameters yet\n"); }});
+       .purpose = "Driver of the LiDAR's stabiliser, two CiA 402 drives on SocketCAN: STABILIZER_COMMAND to "
+                  "STABILIZER.",
+       .make_node = rubble::stabilizer::makeStabilizerNode,
+       .describe_config = [](const rubble::common::Config& config) {
+         return config.describe<rubble::stabilizer::StabilizerConfig>("stabilizer");
+       }});
 }

@@ -9,6 +9,7 @@
 #include <map>
 #include <rubble/camera_info_t.hpp>
 #include <rubble/health_t.hpp>
+#include <rubble/stabilizer_t.hpp>
 #include <string>
 
 #include "common/error.h"
@@ -28,6 +29,10 @@ std::string describe(const lcm_io::RawMessage& raw) {
   if (raw.channel == lcm_io::channel::kCameraInfo) {
     const auto m = lcm_io::decode<rubble::camera_info_t>(raw.data);
     return fmt::format("{} {}x{} {}", m.utime, m.width, m.height, m.rate_hz);
+  }
+  if (raw.channel == lcm_io::channel::kStabilizer) {
+    const auto m = lcm_io::decode<rubble::stabilizer_t>(raw.data);
+    return fmt::format("{} {:.4f} {:.4f} {}", m.utime, m.roll, m.pitch, m.command_utime);
   }
   if (raw.channel == lcm_io::channel::kHealth) {
     const auto m = lcm_io::decode<rubble::health_t>(raw.data);

@@ -41,7 +41,7 @@ TEST(ConfigFiles, DocsShowEveryParameter) {
   std::ifstream stream(kSource / "docs" / "processes.md");
   const std::string docs{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   for (const char* name : {"rubble-slam-lidar", "rubble-slam-mono", "rubble-fusion", "rubble-camera",
-                           "rubble-lidar", "rubble-console"}) {
+                           "rubble-lidar", "rubble-stabilizer", "rubble-console"}) {
     const auto printed = test::shell(program(name) + " --print-config");
     ASSERT_EQ(printed.status, 0) << printed.output;
     EXPECT_NE(docs.find(printed.output), std::string::npos)

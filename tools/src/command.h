@@ -17,6 +17,7 @@ void addEvalMarksCommand(CLI::App& eval);  // Of `rubble eval`.
 void addArenaCommand(CLI::App& app);
 void addExperimentCommand(CLI::App& app);
 void addEmulateCommand(CLI::App& app);
+void addEmulateStabilizer(CLI::App& emulate);  // Of `rubble emulate`.
 void addDoctorCommand(CLI::App& app);
 void addSpyCommand(CLI::App& app);
 void addTrainCommand(CLI::App& app);

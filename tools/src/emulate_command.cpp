@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -15,6 +12,7 @@
 #include "lidar_emulator/lidar_emulator.h"
 #include "scan_log.h"
 #include "stop_signal.h"
+#include "timed_word.h"
 
 namespace rubble::tools {
 
@@ -37,18 +35,10 @@ struct TimedFault {
   Clock::duration after;
 };
 
-/// `KIND@SECONDS`
-TimedFault parseTimedFault(const std::string& text) {
-  const std::size_t at = std::min(text.find('@'), text.size());
-  const std::string seconds = text.substr(std::min(at + 1, text.size()));
-  double after = -1.0;
-  const auto [end, error] = std::from_chars(seconds.data(), seconds.data() + seconds.size(), after);
-  if (error != std::errc() || end != seconds.data() + seconds.size() || !(after >= 0.0 && after < 1e6)) {
-    throw common::Error(fmt::format("--fault {}: write KIND@SECONDS, e.g. cut@5", text));
-  }
+TimedFault parseFault(const std::string& text) {
+  const TimedWord timed = parseTimedWord(text, "cut@5");
   try {
-    return {lidar::parseFault(text.substr(0, at)),
-            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after))};
+    return {lidar::parseFault(timed.word), timed.after};
   } catch (const common::Error& e) {
     throw common::Error(fmt::format("--fault {}: {}", text, e.what()));
   }
@@ -57,7 +47,7 @@ TimedFault parseTimedFault(const std::string& text) {
 void emulateLidar(const Options& options) {
   std::vector<TimedFault> faults;
   for (const std::string& text : options.faults) {
-    faults.push_back(parseTimedFault(text));
+    faults.push_back(parseFault(text));
   }
   StopSignal stop;
   const auto log = std::make_shared<ScanLog>(options.log, options.loop);
@@ -82,7 +72,7 @@ void emulateLidar(const Options& options) {
 }  // namespace
 
 void addEmulateCommand(CLI::App& app) {
-  CLI::App* emulate = app.add_subcommand("emulate", "Be a device: feed a driver from a recording");
+  CLI::App* emulate = app.add_subcommand("emulate", "Be a device: what a driver talks to");
   emulate->require_subcommand(1);
   emulate->footer("Example:\n  rubble emulate lidar mission.lcm --loop\n");
 
@@ -106,6 +96,7 @@ void addEmulateCommand(CLI::App& app) {
       "Example:\n  rubble emulate lidar mission.lcm --loop --fault cut@5 &\n"
       "  rubble-lidar --set lidar.connection=tcp://127.0.0.1:10940\n");
   command->callback([options] { emulateLidar(*options); });
+  addEmulateStabilizer(*emulate);
 }
 
 }  // namespace rubble::tools

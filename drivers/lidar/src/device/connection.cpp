@@ -17,7 +17,6 @@
 #include <memory>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include "common/error.h"
 
@@ -123,14 +122,6 @@ FileDescriptor openTcp(const Address& address, int interrupt, std::chrono::milli
 }
 
 }  // namespace
-
-FileDescriptor::~FileDescriptor() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
-}
-
-FileDescriptor::FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
 
 bool isBaudRate(int baud) { return findBaudRate(baud) != nullptr; }
 

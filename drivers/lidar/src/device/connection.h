@@ -5,22 +5,12 @@
 #include <span>
 #include <string_view>
 
+#include "common/file_descriptor.h"
 #include "device/address.h"
 
 namespace rubble::lidar {
 
-/// A file descriptor that closes itself.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int fd = -1) : fd_(fd) {}
-  ~FileDescriptor();
-  FileDescriptor(FileDescriptor&& other) noexcept;
-
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
+using common::FileDescriptor;
 
 /// Whether a serial line can have that many bits a second.
 bool isBaudRate(int baud);
