@@ -20,8 +20,13 @@ void addEmulateCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);
 void addSpyCommand(CLI::App& app);
 void addTrainCommand(CLI::App& app);
+void addCalibrateCommand(CLI::App& app);
 
 /// A subcommand of `rubble eval`.
 void addEvalObjects(CLI::App& parent);
+
+/// Subcommands of `rubble calibrate`.
+void addCalibrateCamera(CLI::App& parent);
+void addCalibrateExtrinsics(CLI::App& parent);
 
 }  // namespace rubble::tools
