@@ -52,11 +52,8 @@ Board parseBoard(const std::string& corners, double square) {
 
 std::optional<std::vector<cv::Point2f>> findCorners(const cv::Mat& grey, const Board& board) {
   std::vector<cv::Point2f> corners;
-  if (cv::findChessboardCornersSB(grey, board.corners, corners,
-                                  cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_ACCURACY)) {
-    return corners;
-  }
-  if (!cv::findChessboardCorners(grey, board.corners, corners,
+  if (!cv::findChessboardCornersSB(grey, board.corners, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
+      !cv::findChessboardCorners(grey, board.corners, corners,
                                  cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE)) {
     return std::nullopt;
   }

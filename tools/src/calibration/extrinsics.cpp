@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kFewestPairs = 5;
 constexpr std::size_t kFewestPoints = 8;  // of a pair
 constexpr double kNear = 0.15;            // m; wide: a LiDAR's error on black can be 0.06
-constexpr int kRounds = 6;
+constexpr int kRounds = 8;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -35,9 +35,14 @@ bool isWhite(const BoardPair& pair, double column, double row) {
   return isInside(column) && isInside(row) && is_first_color != pair.is_first_black;
 }
 
-bool isOn(Paper paper, const Board& board, const BoardPair& pair, const Eigen::Vector3d& p_board) {
-  const double column = p_board.x() / board.square;
-  const double row = p_board.y() / board.square;
+/// Where the beam to p meets the board counts, not p: its range may be wrong by centimetres.
+bool isOn(Paper paper, const Board& board, const BoardPair& pair, const common::Pose3& T_board_lidar,
+          const Eigen::Vector2d& p) {
+  const Eigen::Vector3d p_board = T_board_lidar * lifted(p);
+  const Eigen::Vector3d origin = T_board_lidar.translation();
+  const Eigen::Vector3d hit = origin + (p_board - origin) * (origin.z() / (origin.z() - p_board.z()));
+  const double column = hit.x() / board.square;
+  const double row = hit.y() / board.square;
   // The squares reach one beyond the inner corners.
   return std::abs(p_board.z()) < kNear && column > -1.0 && column < board.corners.width && row > -1.0 &&
          row < board.corners.height && (paper == Paper::kAll || isWhite(pair, column, row));
@@ -48,7 +53,7 @@ std::vector<Eigen::Vector2d> pointsOnBoard(const Board& board, const BoardPair& 
   const common::Pose3 T_board_lidar = pair.T_camera_board.inverse() * T_camera_lidar;
   std::vector<Eigen::Vector2d> points;
   for (const Eigen::Vector2d& p : pair.points) {
-    if (isOn(paper, board, pair, T_board_lidar * lifted(p))) {
+    if (isOn(paper, board, pair, T_board_lidar, p)) {
       points.push_back(p);
     }
   }
