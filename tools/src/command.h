@@ -21,8 +21,13 @@ void addEmulateStabilizer(CLI::App& emulate);  // Of `rubble emulate`.
 void addDoctorCommand(CLI::App& app);
 void addSpyCommand(CLI::App& app);
 void addTrainCommand(CLI::App& app);
+void addCalibrateCommand(CLI::App& app);
 
 /// A subcommand of `rubble eval`.
 void addEvalObjects(CLI::App& parent);
+
+/// Subcommands of `rubble calibrate`.
+void addCalibrateCamera(CLI::App& parent);
+void addCalibrateExtrinsics(CLI::App& parent);
 
 }  // namespace rubble::tools

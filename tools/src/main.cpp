@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   addDoctorCommand(app);
   addSpyCommand(app);
   addTrainCommand(app);
+  addCalibrateCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
