@@ -21,11 +21,16 @@ function(rubble_program name)
 endfunction()
 
 # rubble_tests(NAME LABEL SOURCES ... LINK ... [DEFINE ...])
-#   One GoogleTest executable; every test in it gets the ctest label unit, integration or system.
+#   One GoogleTest executable; every test in it gets the ctest label unit, integration or system. The target
+#   tests_<label> builds all of a label.
 function(rubble_tests name label)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK;DEFINE" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LINK} rubble_warnings GTest::gmock_main)
   target_compile_definitions(${name} PRIVATE ${arg_DEFINE})
+  if(NOT TARGET tests_${label})
+    add_custom_target(tests_${label})
+  endif()
+  add_dependencies(tests_${label} ${name})
   gtest_discover_tests(${name} PROPERTIES LABELS ${label} DISCOVERY_TIMEOUT 60)
 endfunction()

@@ -42,6 +42,7 @@ constexpr Utime kControlPeriod = common::kMicrosecondsPerSecond / 20;
 constexpr Utime kPathPeriod = common::kMicrosecondsPerSecond;
 constexpr Utime kStatePeriod = common::kMicrosecondsPerSecond / 2;
 /// Silence of MONO_POSE after which the state is published without pictures, and how often.
+constexpr double kVisionStarts = 1.0;  // m of driving, after which it should have
 constexpr Utime kMonoSilence = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kBlindPeriod = common::kMicrosecondsPerSecond / 30;
 /// A picture that seems to be later than this is of a log.
@@ -126,9 +127,13 @@ class FusionNode : public lcm_io::Node {
     const bool h = fusion_.plane().state() == ControlState::kH;
     if (now - last_mono_ >= kMonoSilence) {
       say("MONO_POSE is silent: is the camera running?");
-    } else if (!vision) {
-      say(h ? "vision is lost or has not started: the LiDAR alone carries the pose, on flat ground"
-            : "vision is lost off the level: nothing carries the pose");
+    } else if (!vision && !h) {
+      say("vision is lost off the level: nothing carries the pose");
+    } else if (!vision && vision_started_) {
+      say("vision is lost: the LiDAR alone carries the pose, on flat ground");
+    } else if (!vision && last_state_.T_world_body.translation().norm() > kVisionStarts) {
+      say("vision has not started: the LiDAR alone carries the pose, on flat ground; show the camera "
+          "texture");
     }
     if (lidar_poses_ == 0) {
       say("no LIDAR_POSE yet: is rubble-slam-lidar running? position has no scale");
@@ -182,6 +187,7 @@ class FusionNode : public lcm_io::Node {
       const FusionMemory memory = parseFusionMemory(common::readFile(path));
       fusion_.restore(memory);
       keeper_.restore(memory);
+      vision_started_ = true;
       noted_revision_ = fusion_.plane().revision();
       spdlog::info("restored from {}, {:.0f} s old", path.string(), *age);
     } catch (const common::Error& e) {
@@ -207,6 +213,7 @@ class FusionNode : public lcm_io::Node {
       mono.T_mono_camera = lcm_io::poseFromMessage(m.p_mono_camera, m.q_mono_camera);
     }
     started_ = true;
+    vision_started_ = vision_started_ || mono.tracking;
     last_mono_ = m.utime;
     // A log that is played live has its own time.
     const Utime late = bus_.now() - m.utime;
@@ -351,6 +358,7 @@ class FusionNode : public lcm_io::Node {
   Utime last_contradiction_ = 0;
   Utime log_offset_ = 0;  // From the bus's time to the data's.
   Utime last_mono_ = 0;
+  bool vision_started_ = false;  // By this process, or by the one whose checkpoint it restored.
   Utime last_control_ = 0;
   Utime last_command_ = 0;
   Utime last_fusion_state_ = 0;

@@ -151,7 +151,8 @@ class FusionNodeTest : public testing::Test {
     }
     rubble::mono_pose_t m{};
     m.utime = now_;
-    m.state = way_ < 0.2 ? rubble::mono_pose_t::STATE_INITIALIZING : rubble::mono_pose_t::STATE_TRACKING;
+    m.state =
+        way_ < vision_starts_ ? rubble::mono_pose_t::STATE_INITIALIZING : rubble::mono_pose_t::STATE_TRACKING;
     m.map_id = 1;
     lcm_io::poseToMessage(monoCamera(), m.p_mono_camera, m.q_mono_camera);
     return m;
@@ -222,6 +223,7 @@ class FusionNodeTest : public testing::Test {
   int ticks_ = 0;
   bool camera_on_ = true;
   bool lidar_on_ = true;
+  double vision_starts_ = 0.2;      // m of driving, until which it initialises
   std::optional<Pose3> other_map_;  // Vision is in a map of its own.
   rubble::mono_map_t map_{};
   Pose3 T_mono_keyframe_ = Pose3::Identity();
@@ -254,6 +256,15 @@ TEST_F(FusionNodeTest, LearnsTheScaleOnTheFloor) {
   EXPECT_EQ(poses_.size(), static_cast<std::size_t>(ticks_ / 4));
   EXPECT_GT(commands_, ticks_ * 85 / 120) << "100 Hz, on ticks of 120 Hz";
   EXPECT_LE(commands_, ticks_ * 100 / 120 + 1);
+}
+
+TEST_F(FusionNodeTest, VisionMayStartWithinAMetre) {
+  vision_starts_ = 100.0;
+  drive(0.8);
+  EXPECT_TRUE(node_->status().detail.empty()) << node_->status().detail;
+  drive(0.5);
+  EXPECT_NE(node_->status().detail.find("vision has not started"), std::string::npos)
+      << node_->status().detail;
 }
 
 TEST_F(FusionNodeTest, CarriesThePoseOverTheRamp) {
