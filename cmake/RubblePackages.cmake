@@ -1,5 +1,5 @@
 # What `cpack` makes: rubble_*.deb (the robot) and rubble-dev_*.deb (messages for other programs).
-# `cmake --build --preset release && cpack --config build/release/CPackConfig.cmake -B build/release/packages`
+# Made by scripts/package.
 
 install(TARGETS
   rubble rubble-camera rubble-console rubble-fusion rubble-lidar rubble-recognizer rubble-slam-lidar rubble-slam-mono
