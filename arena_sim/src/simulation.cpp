@@ -114,19 +114,9 @@ common::Pose3 Simulation::T_world_camera(double seconds) const {
 }
 
 void Simulation::reportCameraInfo(double seconds, common::Utime received) {
-  const common::RobotConfig::Intrinsics& lens = robot_.intrinsics;
   rubble::camera_info_t info;
   info.utime = utimeOf(seconds);
-  info.width = lens.width;
-  info.height = lens.height;
-  info.rate_hz = lens.rate;
-  info.fx = lens.focal[0];
-  info.fy = lens.focal[1];
-  info.cx = lens.centre[0];
-  info.cy = lens.centre[1];
-  info.model = lens.model;
-  info.distortion = lens.distortion;
-  info.ndistortion = static_cast<std::int32_t>(lens.distortion.size());
+  lcm_io::intrinsicsToMessage(robot_.intrinsics, info);
   publish(received, lcm_io::channel::kCameraInfo, seconds, info);
 }
 

@@ -45,4 +45,17 @@ common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_
   return intrinsics;
 }
 
+void intrinsicsToMessage(const common::RobotConfig::Intrinsics& intrinsics, rubble::camera_info_t& info) {
+  info.width = intrinsics.width;
+  info.height = intrinsics.height;
+  info.rate_hz = intrinsics.rate;
+  info.fx = intrinsics.focal[0];
+  info.fy = intrinsics.focal[1];
+  info.cx = intrinsics.centre[0];
+  info.cy = intrinsics.centre[1];
+  info.model = intrinsics.model;
+  info.distortion = intrinsics.distortion;
+  info.ndistortion = static_cast<std::int32_t>(intrinsics.distortion.size());
+}
+
 }  // namespace rubble::lcm_io

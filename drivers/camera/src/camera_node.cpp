@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "lcm_io/channels.h"
+#include "lcm_io/conversions.h"
 
 namespace rubble::camera {
 
@@ -15,16 +16,7 @@ constexpr common::Utime kInfoInterval = 900'000;
 rubble::camera_info_t infoOf(const common::RobotConfig::Intrinsics& lens) {
   rubble::camera_info_t info;
   info.utime = 0;
-  info.width = lens.width;
-  info.height = lens.height;
-  info.rate_hz = lens.rate;
-  info.fx = lens.focal[0];
-  info.fy = lens.focal[1];
-  info.cx = lens.centre[0];
-  info.cy = lens.centre[1];
-  info.model = lens.model;
-  info.distortion = lens.distortion;
-  info.ndistortion = static_cast<std::int32_t>(lens.distortion.size());
+  lcm_io::intrinsicsToMessage(lens, info);
   return info;
 }
 

@@ -16,4 +16,7 @@ void poseToMessage(const common::Pose3& T, double* p, double* q);
 /// Throws Error for a calibration that is none.
 common::RobotConfig::Intrinsics intrinsicsFromMessage(const rubble::camera_info_t& info);
 
+/// All of the message but its utime.
+void intrinsicsToMessage(const common::RobotConfig::Intrinsics& intrinsics, rubble::camera_info_t& info);
+
 }  // namespace rubble::lcm_io
