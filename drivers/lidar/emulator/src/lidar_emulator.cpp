@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -18,6 +17,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/file_descriptor.h"
 #include "emulated_sensor.h"
 #include "emulator_line.h"
 
@@ -71,9 +71,8 @@ class LidarEmulator::Impl {
       const std::lock_guard lock(mutex_);
       stop_ = true;
     }
-    ::eventfd_write(wake_, 1);
+    ::eventfd_write(wake_.get(), 1);
     thread_.join();
-    ::close(wake_);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -135,7 +134,7 @@ class LidarEmulator::Impl {
       const auto wait = std::min<std::chrono::nanoseconds>(left, kLongestPoll);
       const timespec timeout{wait.count() / 1'000'000'000, wait.count() % 1'000'000'000};
       const short client_events = static_cast<short>(POLLIN | (line_.hasBacklog() ? POLLOUT : 0));
-      std::array<pollfd, 3> fds = {pollfd{wake_, POLLIN, 0}, pollfd{line_.listener(), POLLIN, 0},
+      std::array<pollfd, 3> fds = {pollfd{wake_.get(), POLLIN, 0}, pollfd{line_.listener(), POLLIN, 0},
                                    pollfd{line_.client(), client_events, 0}};
       ::ppoll(fds.data(), fds.size(), &timeout, nullptr);
       if (fds[0].revents != 0 || stopped()) {
@@ -264,7 +263,7 @@ class LidarEmulator::Impl {
   bool ended_ = false;
   bool stop_ = false;
   std::int64_t scans_sent_ = 0;
-  const int wake_;
+  const common::FileDescriptor wake_;
   std::thread thread_;
 };
 
