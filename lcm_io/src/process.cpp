@@ -5,6 +5,7 @@
 #include <systemd/sd-daemon.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <string>
@@ -41,6 +42,12 @@ void installSignalHandlers() {
   ::sigaction(SIGINT, &action, nullptr);
 }
 
+/// A count that goes up is no news: the log would fill with it.
+std::string withoutNumbers(std::string line) {
+  std::erase_if(line, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return line;
+}
+
 /// HEALTH, the journal and systemd's watchdog, once a second.
 class Reporter {
  public:
@@ -72,10 +79,10 @@ class Reporter {
     bus_.publish(channel::kHealth, health);
     next_utime_ = bus_.now() + kReportInterval;
     const std::string line = health.detail.empty() ? health.state : health.state + ": " + health.detail;
-    if (line != last_line_) {
+    if (std::string news = withoutNumbers(line); news != last_news_) {
       spdlog::log(health.level == rubble::health_t::LEVEL_OK ? spdlog::level::info : spdlog::level::warn,
                   "{}", line);
-      last_line_ = line;
+      last_news_ = std::move(news);
     }
     ::sd_notifyf(0, "%sSTATUS=%s", hung.empty() ? "WATCHDOG=1\n" : "", line.c_str());
   }
@@ -85,7 +92,7 @@ class Reporter {
   HealthReporter reporter_;
   common::Utime next_utime_;
   std::string host_warnings_;
-  std::string last_line_;
+  std::string last_news_;
 };
 
 std::string warnAboutHost(const std::string& lcm_url) {

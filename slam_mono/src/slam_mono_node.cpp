@@ -40,6 +40,8 @@ using Intrinsics = common::RobotConfig::Intrinsics;
 
 constexpr Utime kLongestJob = 60 * common::kMicrosecondsPerSecond;  // of mapping and loop closing
 constexpr std::size_t kMostRevisits = 20;                           // keyframes of one request
+constexpr double kMostKeyframeRate = 60.0;                          // 1/s: one a picture
+constexpr double kCheckpointWriting = 5.0;                          // s, from its map to the file's time
 
 bool sameCamera(const Intrinsics& a, const Intrinsics& b) {
   return a.width == b.width && a.height == b.height && a.model == b.model && a.focal == b.focal &&
@@ -110,7 +112,8 @@ class SlamMonoNode : public Node {
   void onCommand(const rubble::command_t& command);
   void start(const Intrinsics& camera, const char* source);
   void restoreFresh();
-  void load(const std::filesystem::path& path);
+  /// `skipped`: ids of keyframes after the file's newest that are taken.
+  void load(const std::filesystem::path& path, KeyframeId skipped = 0);
   void checkpoint();
   void watchForRevisit(const FrameResult& result);
   void requestRevisit();
@@ -268,15 +271,18 @@ void SlamMonoNode::restoreFresh() {
     return;
   }
   try {
-    load(checkpoint_path_);
+    // What the killed process published after the checkpoint keeps its ids: they are not given twice.
+    load(checkpoint_path_, static_cast<KeyframeId>(std::ceil((std::max(*age, 0.0) + kCheckpointWriting) * kMostKeyframeRate)));
     spdlog::info("restored from {}, {:.0f} s old", checkpoint_path_.string(), *age);
   } catch (const common::Error& e) {
     spdlog::error("{}: not restored, a new map begins: {}", checkpoint_path_.string(), e.what());
   }
 }
 
-void SlamMonoNode::load(const std::filesystem::path& path) {
-  slam_->replaceMap(parseMap(common::readFile(path), Camera(*camera_), config_.slam.orb.levels));
+void SlamMonoNode::load(const std::filesystem::path& path, KeyframeId skipped) {
+  Map map = parseMap(common::readFile(path), Camera(*camera_), config_.slam.orb.levels);
+  map.skipKeyframeIds(std::max(map.nextKeyframeId() + skipped, slam_->map()->nextKeyframeId()));
+  slam_->replaceMap(std::move(map));
   publisher_ = {};
 }
 
@@ -285,8 +291,8 @@ void SlamMonoNode::checkpoint() {
   if (checkpoint_ && map->keyframeCount() > 0 && map != checkpoint_map_) {
     checkpoint_->submit([map] { return serialiseMap(*map); });
     checkpoint_map_ = map;
+    last_checkpoint_ = bus_.now();
   }
-  last_checkpoint_ = bus_.now();
 }
 
 void SlamMonoNode::requestRevisit() {

@@ -21,6 +21,7 @@
 #include "lcm_io/channels.h"
 #include "lcm_io/pixel_format.h"
 #include "lcm_io/replay_hub.h"
+#include "support/temp_dir.h"
 
 namespace rubble {
 namespace {
@@ -139,13 +140,13 @@ class SlamMonoNodeTest : public testing::Test {
  protected:
   SlamMonoNodeTest() { restart(); }
 
-  void restart() {
+  void restart(const std::filesystem::path& state_dir = {}) {
     node_.reset();
     hub_ = std::make_unique<lcm_io::ReplayHub>();
     now_ = kStart;
     hub_->advanceTo(now_);
     bus_ = &hub_->endpoint();
-    node_ = slam_mono::makeNode({.bus = *bus_, .config = config_, .state_dir = {}});
+    node_ = slam_mono::makeNode({.bus = *bus_, .config = config_, .state_dir = state_dir});
     lcm_io::Bus& ears = hub_->endpoint();
     poses_.clear();
     features_.clear();
@@ -259,6 +260,31 @@ TEST_F(SlamMonoNodeTest, FollowsTheCameraAndTellsItsMap) {
   EXPECT_GT(points.size(), 100U);
   EXPECT_GE(std::ssize(frames), node_->status().counters.at("tracked"));
   EXPECT_EQ(std::set<Utime>(frames.begin(), frames.end()).size(), frames.size()) << "once each";
+}
+
+TEST_F(SlamMonoNodeTest, AfterAKillNoKeyframeIdIsGivenTwice) {
+  const test::TempDir state;
+  config_.addOverride("slam_mono.checkpoint_period=5");
+  std::map<std::int32_t, Utime> keyframes;
+  const auto walkOn = [&] {
+    restart(state.path());
+    calibrate();
+    now_ += common::kMicrosecondsPerSecond * static_cast<Utime>(keyframes.size());
+    walk(50);
+    for (const rubble::mono_map_t& map : maps_) {
+      for (const auto& k : map.keyframes) {
+        EXPECT_EQ(keyframes.try_emplace(k.id, k.utime).first->second, k.utime) << "keyframe " << k.id;
+      }
+    }
+  };
+  walkOn();
+  const std::size_t before = keyframes.size();
+  const std::int32_t newest = keyframes.rbegin()->first;
+  ASSERT_GT(newest, 2) << "there are keyframes that the only checkpoint does not have";
+  walkOn();
+  EXPECT_GT(keyframes.size(), before);
+  EXPECT_EQ(keyframes.begin()->first, 0) << "restored";
+  EXPECT_GT(keyframes.rbegin()->first, newest);
 }
 
 TEST_F(SlamMonoNodeTest, TheSamePicturesGiveTheSameBytes) {

@@ -96,6 +96,10 @@ std::vector<int> Map::mapIds() const {
   return {ids.begin(), ids.end()};
 }
 
+void Map::skipKeyframeIds(KeyframeId next) {
+  keyframes_.resize(std::max(keyframes_.size(), static_cast<std::size_t>(next)));
+}
+
 KeyframeId Map::addKeyframe(Keyframe keyframe) {
   keyframe.id = nextKeyframeId();
   keyframe.points.assign(keyframe.frame->size(), kNoPoint);

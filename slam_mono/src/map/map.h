@@ -83,6 +83,8 @@ class Map {
   std::size_t pointCount() const { return point_count_; }
   KeyframeId nextKeyframeId() const { return static_cast<KeyframeId>(keyframes_.size()); }
   PointId nextPointId() const { return next_point_; }
+  /// Gives no keyframe an id below this.
+  void skipKeyframeIds(KeyframeId next);
   std::size_t keyframeCount(int map_id) const;
   std::vector<int> mapIds() const;  ///< ascending
 

@@ -30,10 +30,6 @@ LocalMapper::LocalMapper(const Camera& camera, const OctaveScales& scales, const
 void LocalMapper::replaceMap(Map map) {
   map_ = std::move(map);
   recent_.clear();
-  next_map_id_ = 1;
-  for (const KeyframeId id : map_.keyframes()) {
-    next_map_id_ = std::max(next_map_id_, map_.keyframe(id)->map_id + 1);
-  }
 }
 
 std::optional<KeyframeId> LocalMapper::start(const NewMap& request) {
@@ -47,7 +43,7 @@ std::optional<KeyframeId> LocalMapper::start(const NewMap& request) {
     }
   }
   recent_.clear();
-  const int map_id = next_map_id_++;
+  const int map_id = map_.nextKeyframeId() + 1;  // As unique as keyframes are, and positive.
   const KeyframeId first = map_.addKeyframe(
       {.map_id = map_id, .frame = request.first, .points = {}, .covisible = {}, .loops = {}});
   const KeyframeId second = map_.addKeyframe({.map_id = map_id,

@@ -45,7 +45,6 @@ class LocalMapper {
   const MonoSlamConfig config_;
   Map map_;
   ProjectionMatcher matcher_;
-  int next_map_id_ = 1;
   std::vector<PointId> recent_;  // Points still to prove themselves.
 };
 
