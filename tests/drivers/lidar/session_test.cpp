@@ -149,6 +149,7 @@ TEST_F(SessionTest, DamageIsDroppedAndCounted) {
   EXPECT_EQ(counters.scans, 2);
   EXPECT_EQ(counters.scans_damaged, 1);
   EXPECT_EQ(counters.unexpected, 1);
+  EXPECT_EQ(counters.scans_lost, 0) << "what came damaged is counted once";
   EXPECT_EQ(counters.garbage_bytes, 7);
 }
 

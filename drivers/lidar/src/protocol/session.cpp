@@ -136,6 +136,7 @@ void Session::takeTime(const Response& response, common::Utime now) {
 bool Session::takeScan(const Response& response, common::Utime now) {
   if (response.echo.size() != command_.size() || withoutCount(response.echo) != withoutCount(command_)) {
     ++counters_.unexpected;
+    ++unread_;
     return false;
   }
   switch (kindOf(response.status)) {
@@ -154,13 +155,14 @@ bool Session::takeScan(const Response& response, common::Utime now) {
   std::uint32_t device_ms = 0;
   if (!decoder_->decode(response, scan_, device_ms)) {
     ++counters_.scans_damaged;
+    ++unread_;
     return false;
   }
   verifying_ = false;
   const DeviceClock::Stamp stamp = clock_->observe(device_ms, now);
   const double interval_ms = 1e3 * scanInterval();
-  counters_.scans_lost +=
-      std::max<std::int64_t>(0, std::llround(static_cast<double>(stamp.elapsed_ms) / interval_ms) - 1);
+  const std::int64_t missing = std::llround(static_cast<double>(stamp.elapsed_ms) / interval_ms) - 1;
+  counters_.scans_lost += std::max<std::int64_t>(0, missing - std::exchange(unread_, 0));
   counters_.clock_jumps += stamp.jumped ? 1 : 0;
   ++counters_.scans;
   // The sensor stamps step 0; the first beam comes later where fewer are asked for.

@@ -23,7 +23,7 @@ class Malfunction : public common::Error {
 
 struct SessionCounters {
   std::int64_t scans = 0;
-  std::int64_t scans_lost = 0;     // By the gaps between time stamps.
+  std::int64_t scans_lost = 0;     // By the gaps between time stamps; not what came damaged.
   std::int64_t scans_damaged = 0;  // A checksum is wrong or characters are missing.
   std::int64_t garbage_bytes = 0;  // Part of no answer, since it has stopped.
   std::int64_t unexpected = 0;     // Answers to another command than the one that was sent.
@@ -90,6 +90,7 @@ class Session {
   std::optional<ScanDecoder> decoder_;
   std::optional<DeviceClock> clock_;
   bool verifying_ = false;
+  std::int64_t unread_ = 0;  // Answers since the last scan that may have been one.
   LidarScan scan_;
 };
 
