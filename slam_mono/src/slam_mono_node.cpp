@@ -272,7 +272,8 @@ void SlamMonoNode::restoreFresh() {
   }
   try {
     // What the killed process published after the checkpoint keeps its ids: they are not given twice.
-    load(checkpoint_path_, static_cast<KeyframeId>(std::ceil((std::max(*age, 0.0) + kCheckpointWriting) * kMostKeyframeRate)));
+    load(checkpoint_path_,
+         static_cast<KeyframeId>(std::ceil((std::max(*age, 0.0) + kCheckpointWriting) * kMostKeyframeRate)));
     spdlog::info("restored from {}, {:.0f} s old", checkpoint_path_.string(), *age);
   } catch (const common::Error& e) {
     spdlog::error("{}: not restored, a new map begins: {}", checkpoint_path_.string(), e.what());
