@@ -188,6 +188,7 @@ int main(int argc, char** argv) {
   std::string loop_seeds = "1..20";
   std::string look_alike_seeds = "1..50";
   std::string turn_seeds = "1..20";
+  std::string second_seeds = "1..40";
   int turn_features = 400;
   int trials = 100;
   bool poor = false;
@@ -200,6 +201,8 @@ int main(int argc, char** argv) {
   auto* turns = app.add_subcommand("turns", "A turn on the spot before a bare wall");
   turns->add_option("--seeds", turn_seeds, "Missions")->capture_default_str();
   turns->add_option("--features", turn_features, "Of a picture while it turns")->capture_default_str();
+  auto* second = app.add_subcommand("second_mission", "A saved map is found again by another mission");
+  second->add_option("--seeds", second_seeds, "Pairs of missions")->capture_default_str();
   auto* recovery = app.add_subcommand("recovery", "Darkness, whip turns, occlusion, kidnapping");
   recovery->add_option("--trials", trials, "Disturbances, four in a mission")
       ->check(CLI::PositiveNumber)
@@ -219,6 +222,8 @@ int main(int argc, char** argv) {
       ViewConfig bare = kPoorView;
       bare.features = turn_features;
       measureTurns(rangeOf(turn_seeds), bare);
+    } else if (*second) {
+      measureSecondMissions(rangeOf(second_seeds));
     } else {
       measureRecovery(trials);
     }

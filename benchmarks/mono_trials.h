@@ -24,6 +24,9 @@ Camera worldLens(std::uint64_t seed);
 /// How well the scale survives a turn on the spot with this view, as a table on stdout.
 void measureTurns(const SeedRange& seeds, const ViewConfig& view);
 
+/// How soon another mission finds itself in a saved map, as a table on stdout.
+void measureSecondMissions(const SeedRange& seeds);
+
 /// How fast the camera finds itself again, as a table on stdout.
 void measureRecovery(int trials);
 

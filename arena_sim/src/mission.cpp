@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "common/error.h"
 #include "common/files.h"
@@ -60,14 +61,15 @@ void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfi
   lcm_io::LogWriter log(out / "mission.lcm");
   ContactSheet sheet(motion.duration());
   const Robot robot = options.make_robot ? options.make_robot(out / kCalibrationFile) : nullptr;
-  std::optional<rubble::stabilizer_command_t> command;
+  RobotWish wish;
   Simulation simulation(
       world, motion, config, calibration, options.seed, {options.with_camera, options.with_odometry},
       [&](common::Utime received, const char* channel, const lcm_io::Bytes& data) {
         log.write(received, channel, data);
         if (robot) {
-          const auto answer = robot({channel, received, data});
-          command = answer ? answer : command;
+          RobotWish answer = robot({channel, received, data});
+          wish.plate = answer.plate ? answer.plate : wish.plate;
+          wish.revisit = answer.revisit ? std::move(answer.revisit) : std::move(wish.revisit);
         }
       },
       [&](double seconds, const cv::Mat& bgr) { sheet.add(seconds, bgr); });
@@ -76,9 +78,11 @@ void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfi
       randomStream(options.seed, kControllerStream));
   const double period = 1.0 / config.plate_controller.rate;
   for (double next_command = 0.0; simulation.step();) {
-    if (command) {
+    if (const auto request = std::exchange(wish.revisit, std::nullopt)) {
+      simulation.revisit(*request);
+    }
+    if (const auto command = std::exchange(wish.plate, std::nullopt)) {
       simulation.commandPlate(*command);
-      command.reset();
     } else if (!robot && simulation.seconds() >= next_command) {
       simulation.commandPlate(controller.next(simulation.seconds()));
       next_command += period;

@@ -17,6 +17,7 @@
 #include "lcm_io/channels.h"
 #include "lcm_io/conversions.h"
 #include "lcm_io/pixel_format.h"
+#include "motion/retrace.h"
 
 namespace rubble::arena_sim {
 
@@ -90,6 +91,17 @@ void Simulation::commandPlate(const rubble::stabilizer_command_t& command) {
                 {command.roll, command.pitch},
                 {command.roll_rate, command.pitch_rate},
                 secondsOf(command.valid_until_utime)});
+}
+
+void Simulation::revisit(const rubble::revisit_request_t& request) {
+  if (request.keyframes.empty() || seconds_ < retraced_until_) {
+    return;
+  }
+  const auto oldest = std::min_element(request.keyframes.begin(), request.keyframes.end(),
+                                       [](const auto& a, const auto& b) { return a.utime < b.utime; });
+  Retrace way = retrace(motion_, seconds_, std::max(0.0, secondsOf(oldest->utime)));
+  motion_ = std::move(way.motion);
+  retraced_until_ = way.end;
 }
 
 template <typename Message>

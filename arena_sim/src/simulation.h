@@ -5,6 +5,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <rubble/revisit_request_t.hpp>
 #include <rubble/stabilizer_command_t.hpp>
 #include <string>
 #include <vector>
@@ -22,7 +23,8 @@
 namespace rubble::arena_sim {
 
 /// The robot driving through its world: sensor reports one after the other, as messages on the drivers'
-/// channels. The plate follows what commandPlate() was told; who calls it in between step() closes the loop.
+/// channels. The plate follows what commandPlate() was told, the robot goes back where revisit() asks it to;
+/// who calls them in between step() closes the loop.
 class Simulation {
  public:
   using Publish = std::function<void(common::Utime received, const char* channel, const lcm_io::Bytes& data)>;
@@ -44,6 +46,9 @@ class Simulation {
 
   void commandPlate(const PlateCommand& command) { stabilizer_.command(command); }
   void commandPlate(const rubble::stabilizer_command_t& command);
+  /// The robot backs up along its own way to the oldest of the keyframes, then drives on as planned. Until then
+  /// further requests are not heard.
+  void revisit(const rubble::revisit_request_t& request);
 
   const Motion& motion() const { return motion_; }
   const TruthRecorder& truth() const { return truth_; }
@@ -80,7 +85,8 @@ class Simulation {
   const Publish publish_;
   const Watch watch_;
   Disturbances disturbances_;
-  const Motion motion_;
+  Motion motion_;
+  double retraced_until_ = 0.0;  // s
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const RayTracer> tracer_;
   std::optional<CameraModel> camera_;

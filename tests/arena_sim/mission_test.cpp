@@ -193,16 +193,16 @@ TEST_F(MissionTest, ARobotsCommandsMoveThePlate) {
     command.pitch = -0.05;
     node.publish(lcm_io::channel::kStabilizerCommand, command);
   });
-  std::optional<rubble::stabilizer_command_t> commanded;
+  RobotWish wish;
   hub.endpoint().subscribe<rubble::stabilizer_command_t>(lcm_io::channel::kStabilizerCommand,
-                                                         [&](const auto& command) { commanded = command; });
+                                                         [&](const auto& command) { wish.plate = command; });
   MissionOptions closed = options(1);
   closed.cache = folder_.path() / "cache";
   closed.make_robot = [&](const std::filesystem::path& robot_yaml) {
     EXPECT_TRUE(std::filesystem::exists(robot_yaml));
     return [&](const lcm_io::RawMessage& message) {
       hub.feed(message);
-      return std::exchange(commanded, std::nullopt);
+      return std::exchange(wish, {});
     };
   };
   const auto out = write(closed);

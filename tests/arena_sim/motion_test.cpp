@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "motion/driver.h"
+#include "motion/retrace.h"
 
 namespace rubble::arena_sim {
 namespace {
@@ -119,6 +120,36 @@ TEST(Motion, IsLinearBetweenSamplesAndStandsAtItsEnds) {
   EXPECT_NEAR(common::rpyFromRotation(middle.linear()).yaw, 0.05, 1e-12);
   EXPECT_EQ(motion.at(-1.0).translation(), a.translation());
   EXPECT_EQ(motion.at(1e6).translation(), b.translation());
+}
+
+TEST(Retrace, BacksUpAlongTheWayAndDrivesOnAsPlanned) {
+  std::vector<common::Pose3> samples;
+  for (const Pose2& pose : zigzag(withoutSlip())) {
+    samples.push_back(common::pose3FromPose2(pose));
+  }
+  const Motion plan(samples);
+  constexpr double kFrom = 8.0;
+  constexpr double kTo = 5.0;
+  const auto [motion, end] = retrace(plan, kFrom, kTo);
+  const auto apart = [](const common::Pose3& a, const common::Pose3& b) {
+    return (a.translation() - b.translation()).norm() +
+           Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+  };
+  EXPECT_EQ(motion.samples().size(), samples.size());
+  EXPECT_EQ(apart(motion.at(kFrom), plan.at(kFrom)), 0.0);
+  EXPECT_LT(apart(motion.at(end), plan.at(kTo)), 0.01);
+  // A second to turn round, and a quarter longer than at full pace to stop.
+  EXPECT_NEAR(end, kFrom + (kFrom - kTo) + 1.25, 0.02);
+  const double back_at = end + (kFrom - kTo) + 0.25;
+  EXPECT_LT(apart(motion.at(back_at), plan.at(kFrom)), 0.01);
+  EXPECT_LT(apart(motion.at(back_at + 1.0), plan.at(kFrom + 1.0)), 0.01);
+}
+
+TEST(Retrace, AMissionThatEndsOnTheWayBackEndsThere) {
+  const Motion plan(std::vector<common::Pose3>(1000, common::Pose3::Identity()));
+  const auto [motion, end] = retrace(plan, 4.0, 0.5);
+  EXPECT_EQ(motion.duration(), plan.duration());
+  EXPECT_EQ(end, plan.duration());
 }
 
 }  // namespace

@@ -9,12 +9,14 @@ namespace rubble::tools {
 ClosedLoop::ClosedLoop(const common::Config& config)
     : processes_({}, config), recorder_(processes_.endpoint()) {
   processes_.endpoint().subscribe<rubble::stabilizer_command_t>(
-      lcm_io::channel::kStabilizerCommand, [this](const auto& command) { command_ = command; });
+      lcm_io::channel::kStabilizerCommand, [this](const auto& command) { wish_.plate = command; });
+  processes_.endpoint().subscribe<rubble::revisit_request_t>(
+      lcm_io::channel::kRevisitRequest, [this](const auto& request) { wish_.revisit = request; });
 }
 
-std::optional<rubble::stabilizer_command_t> ClosedLoop::handle(const lcm_io::RawMessage& message) {
+arena_sim::RobotWish ClosedLoop::handle(const lcm_io::RawMessage& message) {
   processes_.feed(message);
-  return std::exchange(command_, std::nullopt);
+  return std::exchange(wish_, {});
 }
 
 void ClosedLoop::write(const std::filesystem::path& dir) {

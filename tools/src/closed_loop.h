@@ -1,9 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <rubble/stabilizer_command_t.hpp>
 
+#include "arena_sim/mission.h"
 #include "common/config.h"
 #include "processes.h"
 #include "recorder.h"
@@ -11,13 +10,13 @@
 namespace rubble::tools {
 
 /// The robot's processes while the arena runs, each message's computing done in no time: what they command
-/// moves the plate under the LiDAR.
+/// moves the plate under the LiDAR, and the robot goes back where they ask for it.
 class ClosedLoop {
  public:
   explicit ClosedLoop(const common::Config& config);
 
-  /// The last command to the plate since the last message, if any.
-  std::optional<rubble::stabilizer_command_t> handle(const lcm_io::RawMessage& message);
+  /// What they wanted last since the message before.
+  arena_sim::RobotWish handle(const lcm_io::RawMessage& message);
 
   /// Ends the processes and writes the files of `rubble replay`. Throws common::Error.
   void write(const std::filesystem::path& dir);
@@ -25,7 +24,7 @@ class ClosedLoop {
  private:
   Processes processes_;
   Recorder recorder_;
-  std::optional<rubble::stabilizer_command_t> command_;
+  arena_sim::RobotWish wish_;
 };
 
 }  // namespace rubble::tools

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <rubble/revisit_request_t.hpp>
 #include <rubble/stabilizer_command_t.hpp>
 #include <string>
 
@@ -13,9 +14,15 @@
 
 namespace rubble::arena_sim {
 
+/// What the robot's processes want, if anything.
+struct RobotWish {
+  std::optional<rubble::stabilizer_command_t> plate;
+  std::optional<rubble::revisit_request_t> revisit;
+};
+
 /// The robot's processes in lockstep with the arena: given every message in the order of arrival, answers
-/// with the command to the plate that it gave meanwhile, if any.
-using Robot = std::function<std::optional<rubble::stabilizer_command_t>(const lcm_io::RawMessage&)>;
+/// with what they wanted last since the message before.
+using Robot = std::function<RobotWish(const lcm_io::RawMessage&)>;
 
 struct MissionOptions {
   /// "flat", "rescue" or "tour".
