@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,6 +12,44 @@ namespace {
 
 /// The last character is the version.
 constexpr common::Magic kMagic = {'R', 'B', 'L', 'G', 'R', 'I', 'D', '2'};
+/// Beyond these a number is damage: metres from the world's origin; metres, radians, their rates.
+constexpr double kFarthest = 1e6;
+constexpr double kLargest = 1e3;
+
+bool within(double value, double limit) { return std::abs(value) <= limit; }  // NaN is not.
+
+common::Pose2 getPose(common::ByteReader& in) {
+  const auto T = in.get<common::Pose2>();
+  if (!within(T.x, kFarthest) || !within(T.y, kFarthest) || !within(T.yaw, kLargest)) {
+    in.fail("an impossible pose");
+  }
+  return T;
+}
+
+double getNumber(common::ByteReader& in) {
+  const auto value = in.get<double>();
+  if (!within(value, kLargest)) {
+    in.fail("an impossible number");
+  }
+  return value;
+}
+
+int getScanCount(common::ByteReader& in) {
+  constexpr int kMost = 1 << 30;
+  const auto count = in.get<int>();
+  if (count < 0 || count > kMost) {
+    in.fail("an impossible number of scans");
+  }
+  return count;
+}
+
+common::Utime getUtime(common::ByteReader& in) {
+  const auto utime = in.get<common::Utime>();
+  if (utime < 0) {
+    in.fail("a time before 1970");
+  }
+  return utime;
+}
 
 }  // namespace
 
@@ -52,29 +91,36 @@ GridSlam GridSlam::restore(const GridSlamConfig& config, std::span<const std::ui
   auto state = std::make_unique<State>(config);
   Tracking& t = state->tracking;
   const bool has_utime = in.get<std::uint8_t>() != 0;
-  const auto utime = in.get<common::Utime>();
+  const common::Utime utime = getUtime(in);
   t.utime = has_utime ? std::optional(utime) : std::nullopt;
-  t.T_world_lidar = in.get<common::Pose2>();
-  t.T_world_written = in.get<common::Pose2>();
-  t.twist = in.get<std::array<double, 3>>();
-  t.expected_score = in.get<double>();
-  t.search_distance = in.get<double>();
-  t.search_angle = in.get<double>();
-  t.lost_scans = in.get<int>();
-  t.unverified = in.get<int>();
+  t.T_world_lidar = getPose(in);
+  t.T_world_written = getPose(in);
+  for (double& rate : t.twist) {
+    rate = getNumber(in);
+  }
+  t.expected_score = getNumber(in);
+  t.search_distance = getNumber(in);
+  t.search_angle = getNumber(in);
+  t.lost_scans = getScanCount(in);
+  t.unverified = getScanCount(in);
   t.lost = in.get<std::uint8_t>() != 0;
   t.write_next = in.get<std::uint8_t>() != 0;
   t.stands = in.get<std::uint8_t>() != 0;
   state->map.load(in);
+  // As far as the map's window reaches around a scan.
+  const double farthest_ray = config.scan.max_range + kTileSide * config.map.cell_size;
   state->pending.resize(in.getCount(sizeof(common::Utime) + sizeof(common::Pose2)));
   for (PendingScan& scan : state->pending) {
-    scan.utime = in.get<common::Utime>();
-    scan.T_world_lidar = in.get<common::Pose2>();
+    scan.utime = getUtime(in);
+    scan.T_world_lidar = getPose(in);
     scan.rays.resize(in.getCount(2 * sizeof(float) + sizeof(bool)));
     for (RayEnd& ray : scan.rays) {
       ray.x = in.get<float>();
       ray.y = in.get<float>();
       ray.hit = in.get<std::uint8_t>() != 0;
+      if (!within(static_cast<double>(std::hypot(ray.x, ray.y)), farthest_ray)) {
+        in.fail("a ray beyond the LiDAR's range");
+      }
     }
   }
   if (in.left() != 0) {

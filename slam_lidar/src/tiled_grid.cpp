@@ -16,6 +16,8 @@ constexpr double kFreeDepth = 12.8;
 /// Beyond this occupancy is 0 or 1 to a byte's precision.
 constexpr int kByteLimit = 6 * static_cast<int>(kLogOddsScale);
 
+constexpr std::int32_t kFarthestTile = 1 << 28;
+
 std::array<std::uint8_t, 2 * kByteLimit + 1> makeByteTable() {
   std::array<std::uint8_t, 2 * kByteLimit + 1> table{};
   for (int l = -kByteLimit; l <= kByteLimit; ++l) {
@@ -225,16 +227,24 @@ void TiledGrid::load(common::ByteReader& in) {
   if (in.get<double>() != cell_size_) {
     in.fail("its map has another cell size than the configuration");
   }
-  window_tile_x_ = in.get<std::int32_t>();
-  window_tile_y_ = in.get<std::int32_t>();
+  // Sums of coordinates stay far from overflow.
+  const auto getCoordinate = [&in] {
+    const auto tile = in.get<std::int32_t>();
+    if (tile < -kFarthestTile || tile > kFarthestTile) {
+      in.fail("a tile of the map is impossibly far away");
+    }
+    return tile;
+  };
+  window_tile_x_ = getCoordinate();
+  window_tile_y_ = getCoordinate();
   revision_ = in.get<std::uint64_t>();
   const std::size_t tiles = in.getCount(kTileArea * sizeof(std::int16_t));
   cells_.resize((tiles + 1) * kTileArea);
   quads_.resize((tiles + 1) * kTileArea);
   revisions_.resize(tiles + 1);
   for (std::size_t slot = 1; slot <= tiles; ++slot) {
-    const auto x = in.get<std::int32_t>();
-    const auto y = in.get<std::int32_t>();
+    const std::int32_t x = getCoordinate();
+    const std::int32_t y = getCoordinate();
     if (!tiles_.emplace(TileKey{y, x}, static_cast<std::int32_t>(slot)).second) {
       in.fail("a tile of the map is there twice");
     }

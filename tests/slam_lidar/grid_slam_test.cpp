@@ -1,10 +1,17 @@
 #include "slam_lidar/grid_slam.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstring>
+#include <limits>
 #include <random>
+#include <span>
 
 #include "common/error.h"
+#include "common/files.h"
+#include "support/error_text.h"
 #include "synthetic_room.h"
 
 namespace rubble::slam_lidar {
@@ -102,6 +109,32 @@ TEST(GridSlam, BadStatesAreErrors) {
   GridSlamConfig other;
   other.map.cell_size = 0.1;
   EXPECT_THROW(GridSlam::restore(other, bytes), common::Error);
+}
+
+TEST(GridSlam, StatesThatCannotBeAreErrorsWhateverTheirChecksum) {
+  const SyntheticRoom room;
+  GridSlam slam{GridSlamConfig{}};
+  drive(slam, room, {}, 0, 3);
+  const auto saved = slam.serialise();
+  const auto error = [&](std::size_t at, const auto& value) {
+    auto bytes = saved;
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+    const std::uint32_t crc = common::crc32(std::span(bytes).first(bytes.size() - sizeof crc));
+    std::memcpy(bytes.data() + bytes.size() - sizeof crc, &crc, sizeof crc);
+    return test::errorOf([&] { GridSlam::restore(GridSlamConfig{}, bytes); });
+  };
+  using ::testing::HasSubstr;
+  constexpr std::size_t kUtime = 9;
+  constexpr std::size_t kPose = 17;
+  constexpr std::size_t kTwist = 65;
+  constexpr std::size_t kLostScans = 113;
+  constexpr std::size_t kWindow = 148;
+  EXPECT_THAT(error(kUtime, std::int64_t{-1}), HasSubstr("LiDAR SLAM state: a time before 1970"));
+  EXPECT_THAT(error(kPose, std::nan("")), HasSubstr("an impossible pose"));
+  EXPECT_THAT(error(kPose, 1e30), HasSubstr("an impossible pose"));
+  EXPECT_THAT(error(kTwist, 1e30), HasSubstr("an impossible number"));
+  EXPECT_THAT(error(kLostScans, -1), HasSubstr("an impossible number of scans"));
+  EXPECT_THAT(error(kWindow, std::numeric_limits<std::int32_t>::max()), HasSubstr("impossibly far away"));
 }
 
 TEST(GridSlam, BadInputIsAnErrorOrNoMatchAndChangesNothing) {

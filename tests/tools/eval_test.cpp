@@ -284,11 +284,16 @@ TEST(MapTest, MapServerFiles) {
   EXPECT_NEAR(cells[0].y(), 2.25, 1e-12);
 
   EXPECT_THAT(errorOf([&] { readOccupiedCells(dir.write("map.yaml", yaml)); }), HasSubstr("origin"));
+  EXPECT_THAT(errorOf([&] { readOccupiedCells(dir.write("map.yaml", yaml + "origin: [1.0, .inf, 0.0]\n")); }),
+              HasSubstr("impossibly large"));
   EXPECT_THAT(errorOf([&] { readOccupiedCells(dir.write("map.yaml", "image: [")); }), HasSubstr("map.yaml"));
   EXPECT_THAT(errorOf([&] { readOccupiedCells(dir.path() / "none.yaml"); }), HasSubstr("none.yaml"));
   ASSERT_TRUE(cv::imwrite((dir.path() / "map.pgm").string(), cv::Mat(2, 3, CV_8UC1, cv::Scalar(254))));
   EXPECT_THAT(errorOf([&] { readOccupiedCells(dir.write("map.yaml", yaml + "origin: [1.0, 2.0, 0.0]\n")); }),
               HasSubstr("no cell is occupied"));
+  dir.write("map.pgm", "P5\n70000 70000\n255\nfew");
+  EXPECT_THAT(errorOf([&] { readOccupiedCells(dir.path() / "map.yaml"); }),
+              AllOf(HasSubstr("map.pgm"), HasSubstr("no picture")));
 }
 
 }  // namespace

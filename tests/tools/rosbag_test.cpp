@@ -24,6 +24,7 @@ using test::errorOf;
 using test::messagesOf;
 using test::RosBagWriter;
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -79,6 +80,23 @@ TEST_P(RosbagCompressionTest, EveryKindOfMessage) {
   EXPECT_EQ(camera.width, 4);
   EXPECT_DOUBLE_EQ(camera.cx, 1.5);
   EXPECT_THAT(camera.distortion, ElementsAre(0.1, 0.2, 0.3, 0.4));
+}
+
+TEST_P(RosbagCompressionTest, NoByteThatIsWrongDoesMoreThanAnError) {
+  {
+    RosBagWriter writer(bag(), GetParam());
+    writer.scan("/scan", 10.0, {1.0F, 2.0F}, 0.1F, 30.0F);
+    writer.scan("/scan", 11.0, {1.0F, 2.0F}, 0.1F, 30.0F);
+  }
+  const auto content = common::readFile(bag());
+  const std::string whole(content.begin(), content.end());
+  // Much is padding or text.
+  for (std::size_t i = 0; i < whole.size(); i += i % 4096 < 600 ? 13 : 101) {
+    std::string damaged = whole;
+    damaged[i] = i % 2 == 0 ? '\xff' : '\0';
+    dir_.write("run.bag", damaged);
+    EXPECT_THAT(importError(), AnyOf("(no error)", HasSubstr("run.bag: "))) << i;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RosbagCompressionTest,

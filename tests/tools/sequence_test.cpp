@@ -126,6 +126,33 @@ TEST_F(SequenceTest, MissingAndDamagedPicturesAreNamed) {
   EXPECT_FALSE(std::filesystem::exists(log()));
 }
 
+TEST_F(SequenceTest, APictureThatAnnouncesGigabytesIsRefusedUndecoded) {
+  writeTum();
+  const auto text = [&](const std::string& picture) {
+    write("rgb/a.png", picture);
+    return errorOf([&] { importTum(); });
+  };
+  EXPECT_THAT(text("P5\n30000 30000\n255\nfew"), AllOf(HasSubstr("rgb/a.png"), HasSubstr("no picture")));
+  EXPECT_THAT(text("P2\n# x\n30000 30000 255 1 2"), AllOf(HasSubstr("rgb/a.png"), HasSubstr("no picture")));
+
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(cv::imencode(".jpg", pattern(1), bytes));
+  std::string jpeg(bytes.begin(), bytes.end());
+  const auto header = jpeg.find("\xff\xc0");
+  ASSERT_NE(header, std::string::npos);
+  jpeg.replace(header + 5, 4, "\x7f\xff\x7f\xff");
+  EXPECT_THAT(text(jpeg), AllOf(HasSubstr("rgb/a.png"), HasSubstr("32767 x 32767")));
+
+  ASSERT_TRUE(cv::imencode(".png", pattern(1), bytes));
+  std::fill_n(bytes.begin() + 18, 2, std::uint8_t{0x70});  // Of the width.
+  std::fill_n(bytes.begin() + 22, 2, std::uint8_t{0x70});  // Of the height.
+  const std::uint32_t crc = common::crc32(std::span(bytes).subspan(12, 17));
+  for (std::size_t i = 0; i < 4; ++i) {
+    bytes[29 + i] = static_cast<std::uint8_t>(crc >> (24 - 8 * i));
+  }
+  EXPECT_THAT(text({bytes.begin(), bytes.end()}), AllOf(HasSubstr("rgb/a.png"), HasSubstr("28784 x 28784")));
+}
+
 TEST_F(SequenceTest, BadListsAndCalibrationsAreNamed) {
   writeTum();
   write("calib.txt", "20 10 30 15 16 9.5\n");

@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "map_file.h"
 
 namespace rubble::tools {
 
@@ -24,8 +25,6 @@ const cv::Scalar kGreen(32, 160, 32);
 /// Of the front view: how far it reaches over the path and at all, m.
 constexpr double kViewMargin = 0.5;
 constexpr double kHighestView = 20.0;
-/// Above this a picture is of no use and does not fit the memory.
-constexpr std::int64_t kMostPixels = 400'000'000;
 
 std::vector<std::uint8_t> unpackTile(const rubble::grid_tile_t& tile, std::size_t cells) {
   std::vector<std::uint8_t> out(cells);
@@ -128,7 +127,7 @@ void GridAssembly::write(const std::filesystem::path& stem, const common::Trajec
   const std::int64_t max_y = tiles_.rbegin()->first.first;
   const std::int64_t width = (max_x - min_x + 1) * tile_cells_;
   const std::int64_t height = (max_y - min_y + 1) * tile_cells_;
-  if (width * height > kMostPixels) {
+  if (width * height > kMostMapPixels) {
     throw common::Error(
         fmt::format("{}: a map of {} x {} cells is too large for a picture; raise "
                     "slam_lidar.map.cell_size",

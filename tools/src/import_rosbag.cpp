@@ -1,15 +1,13 @@
 #include "import_rosbag.h"
 
-#include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 
 #include <algorithm>
 #include <map>
 #include <vector>
 
+#include "bag_file.h"
 #include "common/error.h"
 #include "lcm_io/channels.h"
 #include "output_log.h"
@@ -31,18 +29,11 @@ struct Topic {
   std::string type;
 };
 
-lcm_io::Bytes bytesOf(const rosbag::MessageInstance& instance) {
-  lcm_io::Bytes bytes(instance.size());
-  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  instance.write(stream);
-  return bytes;
-}
-
 class BagImporter {
  public:
-  BagImporter(const std::filesystem::path& input, const RosbagTopics& wanted) : input_(input), view_(open()) {
-    for (const rosbag::ConnectionInfo* connection : view_.getConnections()) {
-      types_[connection->topic] = connection->datatype;
+  BagImporter(const std::filesystem::path& input, const RosbagTopics& wanted) : input_(input), bag_(input) {
+    for (const auto& [id, connection] : bag_.connections()) {
+      types_[connection.topic] = connection.type;
     }
     scan_ = choose("scan", wanted.scan, {"sensor_msgs/LaserScan"});
     image_ = choose("image", wanted.image, {kImage, kCompressedImage});
@@ -55,13 +46,14 @@ class BagImporter {
 
   void write(OutputLog& out) {
     rate_hz_ = imageRate();
-    Progress progress("importing", view_.size());
+    Progress progress("importing", static_cast<std::int64_t>(bag_.entries().size()));
     std::int64_t done = 0;
-    for (const rosbag::MessageInstance& instance : view_) {
+    for (const BagFile::Entry& entry : bag_.entries()) {
       try {
-        writeMessage(instance, out);
+        writeMessage(entry, out);
       } catch (const common::Error& e) {
-        throw common::Error(fmt::format("message {} on {}: {}", done + 1, instance.getTopic(), e.what()));
+        throw common::Error(
+            fmt::format("message {} on {}: {}", done + 1, bag_.connectionOf(entry).topic, e.what()));
       }
       progress.update(++done);
     }
@@ -72,11 +64,6 @@ class BagImporter {
   }
 
  private:
-  const rosbag::Bag& open() {
-    bag_.open(input_.string(), rosbag::bagmode::Read);
-    return bag_;
-  }
-
   Topic choose(const char* kind, const std::string& wanted, const std::vector<std::string>& types) const {
     std::vector<std::string> candidates;
     for (const auto& [topic, type] : types_) {
@@ -99,45 +86,47 @@ class BagImporter {
     return candidates.empty() ? Topic{} : Topic{candidates[0], types_.at(candidates[0])};
   }
 
-  double imageRate() {
-    rosbag::View pictures(bag_, rosbag::TopicQuery(image_.name));
-    const double seconds =
-        pictures.size() < 2 ? 0.0 : (pictures.getEndTime() - pictures.getBeginTime()).toSec();
-    return seconds > 0.0 ? (pictures.size() - 1) / seconds : 0.0;
+  double imageRate() const {
+    std::vector<std::uint64_t> times;
+    for (const BagFile::Entry& entry : bag_.entries()) {
+      if (bag_.connectionOf(entry).topic == image_.name) {
+        times.push_back(entry.time_ns);
+      }
+    }
+    const double seconds = times.empty() ? 0.0 : 1e-9 * static_cast<double>(times.back() - times.front());
+    return seconds > 0.0 ? static_cast<double>(times.size() - 1) / seconds : 0.0;
   }
 
-  void writeMessage(const rosbag::MessageInstance& instance, OutputLog& out) {
-    const std::string& topic = instance.getTopic();
+  void writeMessage(const BagFile::Entry& entry, OutputLog& out) {
+    const std::string& topic = bag_.connectionOf(entry).topic;
     if (topic == scan_.name) {
-      write(instance, out, lcm_io::channel::kScan, scanFromRos(bytesOf(instance)));
+      write(entry, out, lcm_io::channel::kScan, scanFromRos(bag_.message(entry)));
     } else if (topic == image_.name) {
-      const lcm_io::Bytes bytes = bytesOf(instance);
-      write(instance, out, lcm_io::channel::kCamera,
+      const lcm_io::ByteView bytes = bag_.message(entry);
+      write(entry, out, lcm_io::channel::kCamera,
             image_.type == kImage ? imageFromRos(bytes) : compressedImageFromRos(bytes));
     } else if (topic == camera_info_.name) {
-      if (auto camera = cameraInfoFromRos(bytesOf(instance), rate_hz_)) {
-        write(instance, out, lcm_io::channel::kCameraInfo, std::move(*camera));
+      if (auto camera = cameraInfoFromRos(bag_.message(entry), rate_hz_)) {
+        write(entry, out, lcm_io::channel::kCameraInfo, std::move(*camera));
       } else {
         ++uncalibrated_;
       }
     } else if (topic == odometry_.name) {
-      write(instance, out, lcm_io::channel::kOdometry, odometryFromRos(bytesOf(instance)));
+      write(entry, out, lcm_io::channel::kOdometry, odometryFromRos(bag_.message(entry)));
     }
   }
 
   /// Without a stamp the time of recording has to do.
   template <typename Message>
-  static void write(const rosbag::MessageInstance& instance, OutputLog& out, const char* channel,
-                    Message message) {
+  static void write(const BagFile::Entry& entry, OutputLog& out, const char* channel, Message message) {
     if (message.utime == 0) {
-      message.utime = static_cast<common::Utime>(instance.getTime().toNSec() / 1000);
+      message.utime = static_cast<common::Utime>(entry.time_ns / 1000);
     }
     out.write(message.utime, channel, message);
   }
 
   const std::filesystem::path input_;
-  rosbag::Bag bag_;
-  rosbag::View view_;
+  BagFile bag_;
   std::map<std::string, std::string> types_;
   Topic scan_;
   Topic image_;
@@ -151,17 +140,11 @@ class BagImporter {
 
 void importRosbag(const std::filesystem::path& input, const std::filesystem::path& output,
                   const RosbagTopics& topics) {
-  console_bridge::noOutputHandler();
   try {
     BagImporter importer(input, topics);
     OutputLog out(output, kReorderWindow);
     importer.write(out);
     out.finish();
-  } catch (const rosbag::BagUnindexedException&) {
-    throw common::Error(fmt::format(
-        "{}: the bag has no index: its recording was cut off; fix: rosbag reindex", input.string()));
-  } catch (const rosbag::BagException& e) {
-    throw common::Error(fmt::format("{}: not a bag that can be read ({})", input.string(), e.what()));
   } catch (const common::Error& e) {
     throw common::Error(fmt::format("{}: {}", input.string(), e.what()));
   }

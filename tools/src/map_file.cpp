@@ -4,11 +4,12 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Geometry>
-#include <opencv2/imgcodecs.hpp>
+#include <cmath>
 #include <string>
 
 #include "common/error.h"
 #include "common/files.h"
+#include "picture_file.h"
 
 namespace rubble::tools {
 
@@ -44,26 +45,19 @@ MapDescription readDescription(const std::filesystem::path& path) {
   if (!(map.resolution > 0.0)) {
     throw common::Error(fmt::format("{}: the resolution must be positive", path.string()));
   }
+  constexpr double kLargest = 1e6;
+  if (!(map.resolution <= kLargest && map.origin.cwiseAbs().maxCoeff() <= kLargest &&
+        std::isfinite(map.yaw))) {
+    throw common::Error(fmt::format("{}: resolution or origin is impossibly large", path.string()));
+  }
   return map;
-}
-
-cv::Mat readImage(const std::filesystem::path& path) {
-  const std::vector<std::uint8_t> bytes = common::readFile(path);
-  cv::Mat image;
-  if (!bytes.empty()) {
-    image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
-  }
-  if (image.empty()) {
-    throw common::Error(fmt::format("{}: no picture that can be decoded", path.string()));
-  }
-  return image;
 }
 
 }  // namespace
 
 std::vector<Eigen::Vector2d> readOccupiedCells(const std::filesystem::path& yaml) {
   const MapDescription map = readDescription(yaml);
-  const cv::Mat image = readImage(map.image);
+  const cv::Mat image = decodePictureFile(common::readFile(map.image), map.image.string(), kMostMapPixels);
   const Eigen::Rotation2Dd rotation(map.yaw);
   std::vector<Eigen::Vector2d> cells;
   for (int row = 0; row < image.rows; ++row) {

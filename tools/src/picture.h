@@ -10,8 +10,8 @@
 
 namespace rubble::tools {
 
-/// The picture of an encoded file: a JPEG's bytes untouched as MJPG; PNG and whatever else OpenCV reads
-/// decoded to GREY, lossless but for colour. Throws Error naming `name` for bytes that are no whole picture.
+/// The picture of an encoded file: a JPEG's bytes untouched as MJPG; PNG and PGM decoded to GREY, lossless
+/// but for colour. Throws Error naming `name` for bytes that are no whole picture.
 bot_core::image_t pictureMessage(const lcm_io::Bytes& encoded, const std::string& name, common::Utime utime);
 
 /// A CV_8UC1 matrix as a GREY message.
