@@ -68,8 +68,12 @@ void record(const MissionOptions& options, MissionKind kind, const ArenaSimConfi
         log.write(received, channel, data);
         if (robot) {
           RobotWish answer = robot({channel, received, data});
-          wish.plate = answer.plate ? answer.plate : wish.plate;
-          wish.revisit = answer.revisit ? std::move(answer.revisit) : std::move(wish.revisit);
+          if (answer.plate) {
+            wish.plate = answer.plate;
+          }
+          if (answer.revisit) {
+            wish.revisit = std::move(answer.revisit);
+          }
         }
       },
       [&](double seconds, const cv::Mat& bgr) { sheet.add(seconds, bgr); });

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bot_core/image_t.hpp>
 #include <bot_core/planar_lidar_t.hpp>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <optional>
 #include <rubble/camera_info_t.hpp>
 #include <rubble/ground_truth_t.hpp>
+#include <rubble/revisit_request_t.hpp>
 #include <rubble/stabilizer_t.hpp>
 #include <set>
 #include <utility>
@@ -216,6 +218,36 @@ TEST_F(MissionTest, ARobotsCommandsMoveThePlate) {
     ASSERT_NEAR(stabilizer.pitch, -0.05, 0.005) << i;
     ASSERT_GT(stabilizer.command_utime, stabilizer.utime - 50'000) << i;
   }
+}
+
+TEST_F(MissionTest, ARobotIsTakenBackToTheKeyframesItAsksFor) {
+  rubble::revisit_request_t request{};
+  request.keyframes.resize(2);
+  request.n = 2;
+  MissionOptions closed = options(1);
+  common::Utime begin = 0;
+  closed.make_robot = [&](const std::filesystem::path&) {
+    return [&](const lcm_io::RawMessage& message) {
+      begin = begin == 0 ? message.receive_utime : begin;
+      RobotWish wish;
+      if (message.receive_utime - begin >= common::utimeFromSeconds(9.0) && request.utime == 0) {
+        request.utime = message.receive_utime;
+        request.keyframes[0].utime = begin + common::utimeFromSeconds(8.0);
+        request.keyframes[1].utime = begin + common::utimeFromSeconds(3.0);
+        wish.revisit = request;
+      }
+      return wish;
+    };
+  };
+  const auto path = common::readTum(write(closed) / "truth" / "body.tum");
+  const auto at = [&](double seconds) {
+    const auto found =
+        std::lower_bound(path.begin(), path.end(), begin + common::utimeFromSeconds(seconds),
+                         [](const auto& pose, common::Utime utime) { return pose.utime < utime; });
+    return Eigen::Vector3d(found->T_a_b.translation());
+  };
+  EXPECT_GT((at(9.0) - at(3.0)).norm(), 0.4);
+  EXPECT_LT((at(16.25) - at(3.0)).norm(), 0.02) << "turning round, six seconds of the way, braking";
 }
 
 TEST_F(MissionTest, BadInputIsNamed) {
