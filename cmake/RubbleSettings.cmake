@@ -28,8 +28,8 @@ target_compile_options(rubble_warnings INTERFACE
   -Wdouble-promotion -Wformat=2 -Wimplicit-fallthrough)
 
 if(RUBBLE_SANITIZE)
-  # -g1 (functions and lines) is all that a sanitizer's report needs; full debug information costs a sixth to a third of
-  # a file's compile time.
-  add_compile_options(-g1 -fsanitize=${RUBBLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # -g1 (functions and lines) is all that a sanitizer's report needs, and -O1 what its authors advise: with -O2 -g a file
+  # takes half as long again to compile.
+  add_compile_options(-O1 -g1 -fsanitize=${RUBBLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${RUBBLE_SANITIZE})
 endif()

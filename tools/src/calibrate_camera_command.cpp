@@ -15,7 +15,7 @@ namespace rubble::tools {
 
 namespace {
 
-struct Options {
+struct CameraOptions {
   std::filesystem::path pictures;
   std::string board;
   double square = 0.0;
@@ -37,7 +37,7 @@ std::string yamlOf(const calibration::Lens& lens) {
       lens.K(0, 2), lens.K(1, 2), fmt::join(lens.distortion, ", "));
 }
 
-void calibrateCamera(const Options& options) {
+void calibrateCamera(const CameraOptions& options) {
   if (std::filesystem::exists(options.out)) {
     throw common::Error(
         fmt::format("{}: exists; --out writes only robot.camera's lens, so give a new name", options.out));
@@ -67,7 +67,7 @@ void calibrateCamera(const Options& options) {
 }  // namespace
 
 void addCalibrateCamera(CLI::App& parent) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CameraOptions>();
   CLI::App* command = parent.add_subcommand("camera", "The lens, from pictures of a chessboard");
   command->add_option("PICTURES_DIR", options->pictures, "jpg and png pictures, 20 or more")->required();
   command->add_option("--board", options->board, "Inner corners, e.g. 9x6")->required();

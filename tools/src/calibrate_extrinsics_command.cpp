@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kFolds = 10;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-struct Options {
+struct ExtrinsicsOptions {
   std::filesystem::path folder;
   std::string board;
   double square = 0.0;
@@ -57,7 +57,7 @@ void printMount(const common::Pose3& T_body_camera) {
       p.x(), p.y(), p.z(), rpy.roll, rpy.pitch, rpy.yaw);
 }
 
-void calibrateExtrinsics(const Options& options) {
+void calibrateExtrinsics(const ExtrinsicsOptions& options) {
   common::Config config;
   if (!options.robot.empty()) {
     config.addFile(options.robot);
@@ -119,7 +119,7 @@ void calibrateExtrinsics(const Options& options) {
 }  // namespace
 
 void addCalibrateExtrinsics(CLI::App& parent) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExtrinsicsOptions>();
   CLI::App* command = parent.add_subcommand(
       "extrinsics", "Where the LiDAR sits from the camera, from a chessboard that both see");
   command->add_option("FOLDER", options->folder, "Pairs of picture and scan, see below")->required();

@@ -107,12 +107,12 @@ std::vector<HostCheck> checkProcesses(const std::string& lcm_url) {
   return checks;
 }
 
-struct Options {
+struct DoctorOptions {
   std::string lcm_url = lcm_io::kDefaultLcmUrl;
   std::string log_dir = ".";
 };
 
-void doctor(const Options& options) {
+void doctor(const DoctorOptions& options) {
   std::vector<HostCheck> checks = lcm_io::checkHost(options.lcm_url);
   checks.push_back(checkProgram("lcm-logger", "liblcm-bin"));
   checks.push_back(checkProgram("lcm-logplayer", "liblcm-bin"));
@@ -139,7 +139,7 @@ void doctor(const Options& options) {
 }  // namespace
 
 void addDoctorCommand(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand(
       "doctor",
       "Check what this host needs for Rubble, hear the processes that run, and say how to fix what is wrong");

@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kHokuyoPort = 10940;
 constexpr std::chrono::milliseconds kTick{50};
 
-struct Options {
+struct EmulateOptions {
   std::string log;
   lidar::LidarEmulator::Options line{.port = kHokuyoPort};
   bool loop = false;
@@ -44,7 +44,7 @@ TimedFault parseFault(const std::string& text) {
   }
 }
 
-void emulateLidar(const Options& options) {
+void emulateLidar(const EmulateOptions& options) {
   std::vector<TimedFault> faults;
   for (const std::string& text : options.faults) {
     faults.push_back(parseFault(text));
@@ -76,7 +76,7 @@ void addEmulateCommand(CLI::App& app) {
   emulate->require_subcommand(1);
   emulate->footer("Example:\n  rubble emulate lidar mission.lcm --loop\n");
 
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EmulateOptions>();
   CLI::App* command = emulate->add_subcommand(
       "lidar", "A Hokuyo (SCIP 2.0) that sees the scans of an LCM log at their own rate; for rubble-lidar");
   command->add_option("LOG", options->log, "LCM log with SCAN")->required();

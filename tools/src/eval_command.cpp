@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct EvalOptions {
   std::string estimate;
   std::string truth;
   bool json = false;
@@ -40,7 +40,7 @@ void addStatistics(Json& report, const std::string& name, const std::string& uni
   report[name + "_max_" + unit] = statistics.max;
 }
 
-void evalAte(const Options& options) {
+void evalAte(const EvalOptions& options) {
   const common::Trajectory estimate = common::readTum(options.estimate);
   const common::Trajectory truth = common::readTum(options.truth);
   const AteResult result = evaluateAte(estimate, truth, options.alignment, options.max_gap);
@@ -57,7 +57,7 @@ void evalAte(const Options& options) {
   printReport(report, options.json);
 }
 
-void evalRelations(const Options& options) {
+void evalRelations(const EvalOptions& options) {
   const RelationsResult result = evaluateRelations(common::readTum(options.estimate),
                                                    readRelations(options.truth), options.max_difference);
   Json report;
@@ -72,7 +72,7 @@ void evalRelations(const Options& options) {
   }
 }
 
-void evalMap(const Options& options) {
+void evalMap(const EvalOptions& options) {
   const auto map = readOccupiedCells(options.estimate);
   const auto truth = readOccupiedCells(options.truth);
   const MapResult result = evaluateMap(map, truth, options.tolerance);
@@ -86,8 +86,8 @@ void evalMap(const Options& options) {
 }
 
 CLI::App* addEvaluation(CLI::App& parent, const char* name, const char* purpose, const char* estimate,
-                        const char* truth, const std::shared_ptr<Options>& options,
-                        void (*run)(const Options&)) {
+                        const char* truth, const std::shared_ptr<EvalOptions>& options,
+                        void (*run)(const EvalOptions&)) {
   CLI::App* app = parent.add_subcommand(name, purpose);
   app->add_option(estimate, options->estimate)->required();
   app->add_option(truth, options->truth)->required();
@@ -100,7 +100,7 @@ constexpr const char* kTranslationKeys =
     "translation_mean_m, translation_median_m, translation_rmse_m, translation_std_m, translation_max_m";
 
 void addAte(CLI::App& parent) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvalOptions>();
   CLI::App* app = addEvaluation(parent, "ate", "Absolute trajectory error", "EST", "TRUTH", options, evalAte);
   static const std::map<std::string, Alignment> kAlignments = {
       {"sim3", Alignment::kSim3}, {"se3", Alignment::kSe3}, {"start", Alignment::kStart}};
@@ -126,7 +126,7 @@ void addAte(CLI::App& parent) {
 }
 
 void addRelations(CLI::App& parent) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvalOptions>();
   CLI::App* app = addEvaluation(parent, "relations", "Error of relative poses against a .relations file",
                                 "EST", "RELATIONS", options, evalRelations);
   app->add_option("--max-difference", options->max_difference,
@@ -143,7 +143,7 @@ void addRelations(CLI::App& parent) {
 }
 
 void addMap(CLI::App& parent) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvalOptions>();
   CLI::App* app = addEvaluation(parent, "map", "Occupied cells of a map against the true ones", "MAP",
                                 "TRUTH", options, evalMap);
   app->add_option("--tolerance", options->tolerance, "Metres between cell centres that count as near")

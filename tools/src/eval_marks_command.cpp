@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct EvalMarksOptions {
   std::string mission;
   std::string marks;
   std::optional<std::uint64_t> seed;
@@ -67,7 +67,7 @@ void printTable(const std::map<std::string, MarksScore>& scores) {
   }
 }
 
-void evalMarks(const Options& options) {
+void evalMarks(const EvalMarksOptions& options) {
   const std::vector<Mark> marks = readConfirmedMarks(options.marks);
   const auto scores =
       scoreMarks(arena_sim::findSightings(options.mission, options.seed), marks, options.score);
@@ -85,7 +85,7 @@ void evalMarks(const Options& options) {
 }  // namespace
 
 void addEvalMarksCommand(CLI::App& eval) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvalMarksOptions>();
   CLI::App* app = eval.add_subcommand("marks", "Confirmed marks against the objects of an arena mission");
   app->add_option("MISSION_DIR", options->mission, "Folder that `rubble arena` wrote")->required();
   app->add_option("OBJECTS", options->marks, "objects.csv of `rubble replay`")->required();

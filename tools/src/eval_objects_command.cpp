@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct EvalObjectsOptions {
   std::string pictures;
   std::string vocabulary;
   std::string boxes;
@@ -41,7 +41,7 @@ void addCounts(const std::string& name, const ObjectCounts& counts, Json* report
   (*report)[name + "_boxes"] = counts.boxes;
 }
 
-void evalObjects(const Options& options) {
+void evalObjects(const EvalObjectsOptions& options) {
   common::Config config;
   for (const std::string& file : options.configs) {
     config.addFile(file);
@@ -79,7 +79,7 @@ void evalObjects(const Options& options) {
 }  // namespace
 
 void addEvalObjects(CLI::App& parent) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvalObjectsOptions>();
   CLI::App* app = parent.add_subcommand("objects", "Objects found in pictures against labelled boxes");
   app->add_option("PICTURES_DIR", options->pictures)->required();
   app->add_option("--vocabulary", options->vocabulary, "From `rubble train`")->required();

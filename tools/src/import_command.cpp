@@ -30,11 +30,11 @@ CLI::App* addImporter(CLI::App& parent, const char* name, const char* purpose, c
 }
 
 void addCarmen(CLI::App& parent) {
-  struct Options {
+  struct ImportOptions {
     Paths paths;
     bool without_odometry = false;
   };
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportOptions>();
   CLI::App* app = addImporter(parent, "carmen",
                               "CARMEN log, plain or bzip2: SCAN from ROBOTLASER1, else FLASER, else "
                               "RAWLASER1; ODOMETRY from ODOM, else "
@@ -58,11 +58,11 @@ void addSequence(CLI::App& parent, const char* name, const char* purpose, const 
 }
 
 void addRosbag(CLI::App& parent) {
-  struct Options {
+  struct ImportOptions {
     Paths paths;
     RosbagTopics topics;
   };
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportOptions>();
   CLI::App* app =
       addImporter(parent, "rosbag",
                   "rosbag v1 (plain, bz2, lz4): LaserScan, Image, CompressedImage, CameraInfo, Odometry. "

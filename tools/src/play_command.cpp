@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::chrono::seconds kLongestWait{30};
 
-struct Options {
+struct PlayOptions {
   std::string log;
   double speed = 1.0;
   std::string lcm_url = lcm_io::kDefaultLcmUrl;
@@ -51,7 +51,7 @@ bool waitForProcesses(lcm_io::Bus& bus, const std::vector<std::string>& names, S
   return true;
 }
 
-void play(const Options& options) {
+void play(const PlayOptions& options) {
   StopSignal stop;
   lcm_io::LcmBus bus(options.lcm_url, "play");
   if (!options.wait_for.empty() && !waitForProcesses(bus, options.wait_for, stop)) {
@@ -76,7 +76,7 @@ void play(const Options& options) {
 }  // namespace
 
 void addPlayCommand(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlayOptions>();
   CLI::App* command = app.add_subcommand("play", "Publish the source channels of an LCM log at its own pace");
   command->add_option("LOG", options->log, "LCM log to play")->required();
   command

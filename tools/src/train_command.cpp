@@ -15,12 +15,12 @@ namespace rubble::tools {
 
 namespace {
 
-struct Options {
+struct TrainOptions {
   std::vector<std::filesystem::path> samples;
   std::string out;
 };
 
-void train(const Options& options) {
+void train(const TrainOptions& options) {
   cv::setNumThreads(1);
   const recognizer::Vocabulary vocabulary = recognizer::train(options.samples);
   const std::vector<std::uint8_t> bytes = vocabulary.serialised();
@@ -32,7 +32,7 @@ void train(const Options& options) {
 }  // namespace
 
 void addTrainCommand(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TrainOptions>();
   CLI::App* command = app.add_subcommand("train", "Learn objects from sample pictures");
   command->add_option("SAMPLES_DIR", options->samples, "A folder per class, or a picture per class")
       ->required();
