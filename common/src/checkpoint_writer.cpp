@@ -1,11 +1,23 @@
 #include "common/checkpoint_writer.h"
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "common/error.h"
 #include "common/files.h"
 
 namespace rubble::common {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// The thread rests this many times as long as it has worked, but a state never waits longer than this.
+constexpr int kRest = 9;
+constexpr Clock::duration kLongestRest = std::chrono::seconds(4);
+
+}  // namespace
 
 CheckpointWriter::CheckpointWriter(std::filesystem::path path)
     : path_(std::move(path)), thread_([this] { run(); }) {}
@@ -45,6 +57,7 @@ void CheckpointWriter::run() {
     }
     const std::function<Bytes()> make_bytes = std::exchange(waiting_, nullptr);
     lock.unlock();
+    const Clock::time_point begin = Clock::now();
     std::string error;
     try {
       writeFileAtomically(path_, make_bytes());
@@ -53,6 +66,8 @@ void CheckpointWriter::run() {
     }
     lock.lock();
     error_ = std::move(error);
+    changed_.wait_for(lock, std::min<Clock::duration>(kRest * (Clock::now() - begin), kLongestRest),
+                      [this] { return stopping_; });
   }
 }
 

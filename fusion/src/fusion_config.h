@@ -18,7 +18,7 @@ struct FusionConfig {
   double alignment_gain = 0.3;
   double servo_range = 0.35;  ///< rad
   double servo_lead = 0.03;   ///< s
-  double checkpoint_period = 2.0;
+  double checkpoint_period = 1.0;
   double restore_within = 120.0;
   MarksConfig marks;
 };

@@ -251,7 +251,7 @@ RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
       {mono.utime, carry(mono), mono.tracking, mono.map_id, mono.map_revision, mono.T_mono_camera});
 }
 
-RobotState PoseFusion::advance(Utime utime) { return addMono({utime, false, map_id_, map_revision_, {}}); }
+RobotState PoseFusion::advance(Utime utime) { return addMono({utime, false, map_id_, map_revision_}); }
 
 bool PoseFusion::visionCarries() const {
   const auto known = maps_.find(map_id_);

@@ -12,7 +12,7 @@ struct SlamLidarConfig {
   double attitude_wait = 0.06;
   double control_timeout = 0.5;
   double map_period = 1.0;
-  double checkpoint_period = 4.0;
+  double checkpoint_period = 2.0;
   double restore_within = 120.0;
 };
 

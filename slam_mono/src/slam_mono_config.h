@@ -11,7 +11,7 @@ struct SlamMonoConfig {
   double calibration_wait = 1.2;
   bool publish_features = true;
   double map_period = 0.5;
-  double checkpoint_period = 4.0;
+  double checkpoint_period = 1.0;
   double restore_within = 120.0;
   double revisit_after = 0.0;
 };

@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "drive.h"
+#include "pose_fusion.h"
 
 namespace rubble::fusion {
 namespace {
@@ -31,6 +32,14 @@ FusionMemory example() {
   memory.marks = {mark};
   memory.next_mark_id = 5;
   return memory;
+}
+
+TEST(FusionMemory, AStateWithoutAPictureIsWhole) {
+  PoseFusion fusion(FusionConfig{}, common::RobotConfig{});
+  fusion.addMono({.utime = 1'000'000, .tracking = true, .map_id = 1, .T_mono_camera = test::windingPath(1.0)});
+  fusion.advance(1'100'000);
+  EXPECT_EQ(fusion.memory().last.T_mono_camera.matrix(), common::Pose3::Identity().matrix());
+  EXPECT_NO_THROW(parseFusionMemory(serialise(fusion.memory())));
 }
 
 TEST(FusionMemory, ComesBackAsItWas) {
