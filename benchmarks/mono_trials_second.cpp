@@ -73,7 +73,8 @@ Second comeBack(std::uint64_t seed) {
 }  // namespace
 
 void measureSecondMissions(const SeedRange& seeds) {
-  fmt::print("| seed | pictures until tracked in the saved map | from then on in it % | largest error, m |\n");
+  fmt::print(
+      "| seed | pictures until tracked in the saved map | from then on in it % | largest error, m |\n");
   fmt::print("|-:|-:|-:|-:|\n");
   int back = 0;
   int quick = 0;

@@ -46,8 +46,8 @@ class Simulation {
 
   void commandPlate(const PlateCommand& command) { stabilizer_.command(command); }
   void commandPlate(const rubble::stabilizer_command_t& command);
-  /// The robot backs up along its own way to the oldest of the keyframes, then drives on as planned. Until then
-  /// further requests are not heard.
+  /// The robot backs up along its own way to the oldest of the keyframes, then drives on as planned. Until
+  /// then further requests are not heard.
   void revisit(const rubble::revisit_request_t& request);
 
   const Motion& motion() const { return motion_; }

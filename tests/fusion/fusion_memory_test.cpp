@@ -36,7 +36,8 @@ FusionMemory example() {
 
 TEST(FusionMemory, AStateWithoutAPictureIsWhole) {
   PoseFusion fusion(FusionConfig{}, common::RobotConfig{});
-  fusion.addMono({.utime = 1'000'000, .tracking = true, .map_id = 1, .T_mono_camera = test::windingPath(1.0)});
+  fusion.addMono(
+      {.utime = 1'000'000, .tracking = true, .map_id = 1, .T_mono_camera = test::windingPath(1.0)});
   fusion.advance(1'100'000);
   EXPECT_EQ(fusion.memory().last.T_mono_camera.matrix(), common::Pose3::Identity().matrix());
   EXPECT_NO_THROW(parseFusionMemory(serialise(fusion.memory())));
