@@ -32,12 +32,12 @@ Second comeBack(std::uint64_t seed) {
   }
   const FloorPath second_path(line, true, 0.7);
 
+  const MonoSlamConfig config;
   Route first_route(first_path.at(0.0), kTrialRate, seed);
   first_route.drive(first_path, 0.0, 1.1 * first_path.length());
-  Mission first(scene.world, worldLens(seed), arenaCamera(), MonoSlamConfig{}, seed);
+  Mission first(scene.world, worldLens(seed), arenaCamera(), config, seed);
   first.follow(first_route.poses());
   first.slam().finish();
-  const MonoSlamConfig config;
   Map saved = parseMap(serialiseMap(*first.map()), arenaCamera(), config.orb.levels);
   const std::vector<int> saved_maps = saved.mapIds();
 

@@ -1,6 +1,8 @@
 // Recordings as `rubble import` reads them, and the ROS messages in a bag by themselves: a bag's index is
 // hard to keep whole. The input's first byte chooses the format; where a recording is a folder, NUL bytes
 // part its files, the last of which is its picture.
+#include <array>
+#include <filesystem>
 #include <vector>
 
 #include "common/files.h"
@@ -37,31 +39,17 @@ std::vector<std::uint8_t> withChecksums(Bytes picture) {
   return bytes;
 }
 
-void importTum(Bytes input, const fuzz::InputDirectory& directory) {
-  const auto [pictures, calib, truth, picture] = fuzz::cut<4>(input);
-  directory.write("rgb.txt", pictures);
-  directory.write("calib.txt", calib);
-  directory.write("groundtruth.txt", truth);
-  directory.write("a.png", withChecksums(picture));
-  writeSequence(readTumSequence(directory.path()), directory.path() / "log");
-}
+/// Three text files and a picture.
+using Files = std::array<const char*, 4>;
 
-void importKitti(Bytes input, const fuzz::InputDirectory& directory) {
-  const auto [times, calib, poses, picture] = fuzz::cut<4>(input);
-  directory.write("times.txt", times);
-  directory.write("calib.txt", calib);
-  directory.write("poses.txt", poses);
-  directory.write("image_0/000000.png", withChecksums(picture));
-  writeSequence(readKittiSequence(directory.path()), directory.path() / "log");
-}
-
-void importEuroc(Bytes input, const fuzz::InputDirectory& directory) {
-  const auto [pictures, sensor, truth, picture] = fuzz::cut<4>(input);
-  directory.write("cam0/data.csv", pictures);
-  directory.write("cam0/sensor.yaml", sensor);
-  directory.write("state_groundtruth_estimate0/data.csv", truth);
-  directory.write("cam0/data/a.png", withChecksums(picture));
-  writeSequence(readEurocSequence(directory.path()), directory.path() / "log");
+void importFolder(Bytes input, const fuzz::InputDirectory& directory, const Files& files,
+                  PictureSequence (*read)(const std::filesystem::path&)) {
+  const auto pieces = fuzz::cut<4>(input);
+  for (std::size_t i = 0; i < 3; ++i) {
+    directory.write(files[i], pieces[i]);
+  }
+  directory.write(files[3], withChecksums(pieces[3]));
+  writeSequence(read(directory.path()), directory.path() / "log");
 }
 
 void import(std::uint8_t format, Bytes input) {
@@ -71,13 +59,17 @@ void import(std::uint8_t format, Bytes input) {
       importCarmen(fuzz::InputFile(input).path(), directory.path() / "log", true);
       break;
     case 1:
-      importTum(input, directory);
+      importFolder(input, directory, {"rgb.txt", "calib.txt", "groundtruth.txt", "a.png"}, readTumSequence);
       break;
     case 2:
-      importKitti(input, directory);
+      importFolder(input, directory, {"times.txt", "calib.txt", "poses.txt", "image_0/000000.png"},
+                   readKittiSequence);
       break;
     case 3:
-      importEuroc(input, directory);
+      importFolder(
+          input, directory,
+          {"cam0/data.csv", "cam0/sensor.yaml", "state_groundtruth_estimate0/data.csv", "cam0/data/a.png"},
+          readEurocSequence);
       break;
     case 4:
       importRosbag(fuzz::InputFile(input).path(), directory.path() / "log", {});
