@@ -38,6 +38,8 @@ void visit(common::ConfigSection& section, FusionConfig& config) {
   section.number("min_way", config.min_way, "m", 0.05, 10.0, "of the LiDAR before the first scale");
   section.number("max_scale_sigma", config.max_scale_sigma, "", 0.001, 1.0,
                  "relative deviation of the scale above which it is unknown");
+  section.number("firm_way", config.firm_way, "m", 0.0, 100.0,
+                 "that a scale was learnt on until vision, not the LiDAR, carries the pose in H");
   section.number("lidar_gain", config.lidar_gain, "", 0.01, 1.0,
                  "share of a scan's correction in position and heading");
   section.number("alignment_gain", config.alignment_gain, "", 0.01, 1.0,

@@ -14,6 +14,7 @@ struct FusionConfig {
   double window = 10.0;           ///< m of way in H that the alignment looks back
   double min_way = 0.3;           ///< m, before a first scale
   double max_scale_sigma = 0.05;  ///< relative; above it the scale is unknown
+  double firm_way = 3.0;          ///< m, until which a new scale is not held against the LiDAR
   double lidar_gain = 0.03;
   double alignment_gain = 0.3;
   double servo_range = 0.35;  ///< rad

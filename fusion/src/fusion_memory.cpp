@@ -14,7 +14,7 @@ using common::ByteReader;
 using common::ByteWriter;
 using common::Pose3;
 
-constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '2'};
+constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '3'};
 
 void putPose(ByteWriter& out, const Pose3& T) { out.putAll(std::span<const double>(T.matrix().data(), 16)); }
 
@@ -51,6 +51,7 @@ std::vector<std::uint8_t> serialise(const FusionMemory& memory) {
     putPose(out, T);
     out.put(map.scale_sigma);
     out.put(static_cast<std::uint8_t>(map.scale_known));
+    out.put(map.way);
   }
   putMarks(out, memory.marks, memory.next_mark_id);
   return std::move(out).sealed();
@@ -73,7 +74,7 @@ FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes) {
   memory.state = static_cast<ControlState>(state);
   memory.revision = in.get<std::int64_t>();
   memory.attitude_known = in.get<std::uint8_t>() != 0;
-  constexpr std::size_t kMapBytes = 4 + 8 + 16 * 8 + 8 + 1;
+  constexpr std::size_t kMapBytes = 4 + 8 + 16 * 8 + 8 + 1 + 8;
   for (std::size_t i = in.getCount(kMapBytes); i > 0; --i) {
     const auto id = in.get<std::int32_t>();
     MapAlignment& map = memory.maps[id];
@@ -83,6 +84,7 @@ FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes) {
     map.S_world_mono.p = T.translation();
     map.scale_sigma = in.get<double>();
     map.scale_known = in.get<std::uint8_t>() != 0;
+    map.way = in.get<double>();
     if (!(map.S_world_mono.scale > 0.0) || !std::isfinite(map.S_world_mono.scale)) {
       in.fail("a scale that is not positive");
     }

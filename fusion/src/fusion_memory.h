@@ -17,6 +17,7 @@ struct MapAlignment {
   Similarity S_world_mono;
   double scale_sigma = 1.0;  ///< relative
   bool scale_known = false;
+  double way = 0.0;  ///< m of the LiDAR's way that the scale was learnt on; 0: it is learnt anew
 };
 
 /// One picture's time with what vision said and where the camera was.

@@ -14,6 +14,8 @@ constexpr int kInsist = 3;
 constexpr double kDoubtfulTilt = 0.12;
 constexpr double kDoubtfulBand = 1.4;
 constexpr double kDoubtAfter = 1.0;  // s in M
+/// Tilt of a body that stands level (rad).
+constexpr double kLevelBody = 0.035;
 
 }  // namespace
 
@@ -49,6 +51,8 @@ void PlaneState::addPlane(common::Utime utime, const Plane& plane, bool attitude
   if (!usable(plane)) {
     last_unusable_ = utime;
   }
+  level_ = usable(plane) && plane.body_tilt <= kLevelBody;
+  contradicted_on_level_ = contradicted_on_level_ && level_ && state_ != ControlState::kH;
   if (state_ != ControlState::kM || !doubtful(plane)) {
     last_beyond_doubt_ = utime;
   }
@@ -73,6 +77,7 @@ bool PlaneState::addScan(Scan scan) {
   contradicting_ = scan == Scan::kContradicts ? contradicting_ + 1 : 0;
   if (state_ == ControlState::kH && config_.mode != "lsm" && contradicting_ >= config_.contradictions) {
     ++contradicted_;
+    contradicted_on_level_ = level_;
     change(ControlState::kM);
   } else if (state_ == ControlState::kR) {
     const bool insists = contradicting_ >= kInsist * config_.observe_scans;

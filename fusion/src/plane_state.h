@@ -51,6 +51,8 @@ class PlaneState {
   std::int64_t revision() const { return revision_; }
   /// Scans up to here may be committed to the map.
   common::Utime confirmed() const { return confirmed_; }
+  /// Contradiction led out of H, and the robot has stood level all the while: no slope can be the reason.
+  bool contradictedOnLevelGround() const { return contradicted_on_level_; }
   /// How often contradiction led to M.
   int contradicted() const { return contradicted_; }
   /// Goes on from a checkpoint.
@@ -73,6 +75,8 @@ class PlaneState {
   int verified_ = 0;                     // Scans in a row that agree.
   int contradicting_ = 0;                // Scans in a row that do not.
   int contradicted_ = 0;
+  bool level_ = false;
+  bool contradicted_on_level_ = false;
   bool attitude_known_ = true;
 };
 

@@ -143,9 +143,9 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
   const bool goes_on = last != nullptr && last->tracking && last->map_id == mono.map_id &&
                        last->map_revision == mono.map_revision;
   if (goes_on) {
-    const double scale = alignment.scale_known ? alignment.S_world_mono.scale : 0.0;
-    Pose3 T = last->T_world_camera * scaled(last->T_mono_camera.inverse() * mono.T_mono_camera, scale);
-    if (!alignment.scale_known) {
+    Pose3 T = last->T_world_camera *
+              scaled(last->T_mono_camera.inverse() * mono.T_mono_camera, alignment.S_world_mono.scale);
+    if (!visionCarries()) {
       T.translation() = T_predicted.translation();
     }
     return T;
@@ -255,7 +255,11 @@ RobotState PoseFusion::advance(Utime utime) { return addMono({utime, false, map_
 
 bool PoseFusion::visionCarries() const {
   const auto known = maps_.find(map_id_);
-  return visionTracks() && known != maps_.end() && known->second.scale_known;
+  if (!visionTracks() || known == maps_.end() || !known->second.scale_known) {
+    return false;
+  }
+  return known->second.way >= config_.firm_way || plane_.state() != ControlState::kH ||
+         !lidarMatches(path_.last().utime);
 }
 
 void PoseFusion::noteVelocity(const LidarMeasurement& lidar) {
@@ -303,26 +307,28 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   const bool returns = plane_.state() == ControlState::kR;
   // Where vision does not carry, there is nothing to contradict.
   const bool wide = returns || !anchored_;
-  const bool near = shift.norm() <= (wide ? kReturnWay : kJumpWay) + drift_ &&
-                    std::abs(turn) <= (wide ? kReturnTurn : kJumpTurn);
+  const auto within = [&](double way, double most_turn) {
+    return shift.norm() <= way + drift_ && std::abs(turn) <= most_turn;
+  };
+  const bool jumps = !within(kJumpWay, kJumpTurn);
+  const bool near = wide ? within(kReturnWay, kReturnTurn) : !jumps;
   // A plane that vision sees tilted is not confirmed by a match, but in R contradicted by it.
   const bool agrees = near || !visionCarries();
   const bool counts = lidar.good && (usable || (returns && !agrees));
-  const bool vision_was_wrong = plane_.addScan(!counts  ? PlaneState::Scan::kUnmatched
-                                               : agrees ? PlaneState::Scan::kAgrees
-                                                        : PlaneState::Scan::kContradicts);
-  if (vision_was_wrong) {
-    // Its scale ran away, or it took one place for another: it is learnt anew, from level ground.
-    maps_[map_id_].scale_known = false;
-    window_.clear();
+  const bool insisted = plane_.addScan(!counts  ? PlaneState::Scan::kUnmatched
+                                       : agrees ? PlaneState::Scan::kAgrees
+                                                : PlaneState::Scan::kContradicts);
+  const bool returned = returns && plane_.state() == ControlState::kH;
+  if (returned) {
+    attitude_known_ = true;
+  }
+  // Its scale ran away, or it took one place for another.
+  if (insisted || (returned && jumps && plane_.contradictedOnLevelGround())) {
+    distrustVision();
     if (!usable) {
       standLevel();
       path_.correct(motionAbout(T_predicted.translation(), Vector3d::Zero(), {0.0, 0.0, -plane.height}));
     }
-  }
-  const bool returned = returns && plane_.state() == ControlState::kH;
-  if (returned) {
-    attitude_known_ = true;
   }
   // An unknown tilt tells nothing about the plane.
   const bool follows = lidar.good && (usable || (!attitude_known_ && plane.tilt <= kHopelessTilt));
@@ -340,6 +346,11 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   if (plane_.state() == ControlState::kH && !lidar.tilt_guessed) {
     lidar_.add(lidar.utime, lidar.T_world_lidar);
   }
+}
+
+void PoseFusion::distrustVision() {
+  maps_[map_id_].way = 0.0;
+  window_.clear();
 }
 
 void PoseFusion::addPictures(std::span<const common::AnchoredPose> pictures,

@@ -91,6 +91,8 @@ class PoseFusion {
   /// Scans whose time vision has reached.
   void useWaiting();
   void useLidar(const LidarMeasurement& lidar);
+  /// The scale of the present map is learnt anew.
+  void distrustVision();
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
   Plane planeOf(const common::Pose3& T_world_camera, common::Utime utime) const;
@@ -100,7 +102,8 @@ class PoseFusion {
   /// Turns the way so that the body stands level now.
   void standLevel();
   RobotState state() const;
-  /// Vision tells how far the robot moves.
+  /// Vision tells how far the robot moves. In H the LiDAR does while the scale is young: a map that was begun
+  /// in a turn may have a scale that nobody measured.
   bool visionCarries() const;
   void addSamples(std::span<const common::AnchoredPose> pictures);
   void solve(const common::KeyframePoses& keyframes);

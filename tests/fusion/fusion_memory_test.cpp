@@ -20,7 +20,7 @@ FusionMemory example() {
   memory.state = ControlState::kM;
   memory.revision = 9;
   memory.attitude_known = false;
-  memory.maps[1] = {test::S_world_mono(), 0.01, true};
+  memory.maps[1] = {test::S_world_mono(), 0.01, true, 4.0};
   memory.maps[2] = {};
   Mark mark;
   mark.id = 4;
@@ -51,6 +51,7 @@ TEST(FusionMemory, ComesBackAsItWas) {
   EXPECT_EQ(memory.revision, 9);
   EXPECT_FALSE(memory.attitude_known);
   EXPECT_DOUBLE_EQ(memory.maps.at(1).S_world_mono.scale, test::S_world_mono().scale);
+  EXPECT_DOUBLE_EQ(memory.maps.at(1).way, 4.0);
   EXPECT_FALSE(memory.maps.at(2).scale_known);
   ASSERT_EQ(memory.marks.size(), 1);
   EXPECT_EQ(memory.marks.front().label, (ObjectLabel{"qr", "qr", "room 7"}));

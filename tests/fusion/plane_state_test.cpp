@@ -17,9 +17,9 @@ constexpr Utime kPicture = 33'333;
 /// A state machine that is shown planes at picture rate.
 class PlaneStateTest : public testing::Test {
  protected:
-  void show(double seconds, double height, double tilt, bool attitude_known = true) {
+  void show(double seconds, double height, double tilt, bool attitude_known = true, double body_tilt = 0.0) {
     for (const Utime end = now_ + common::utimeFromSeconds(seconds); now_ < end; now_ += kPicture) {
-      state_.addPlane(now_, {height, tilt}, attitude_known);
+      state_.addPlane(now_, {height, tilt, body_tilt}, attitude_known);
     }
   }
   void scans(int n, Scan scan) {
@@ -98,6 +98,17 @@ TEST_F(PlaneStateTest, ContradictionLeadsToM) {
   scans(1, Scan::kContradicts);
   EXPECT_EQ(state_.state(), ControlState::kM);
   EXPECT_EQ(state_.contradicted(), 1);
+}
+
+TEST_F(PlaneStateTest, ASlopeThatMayHaveContradictedIsToldFromLevelGround) {
+  for (const double body_tilt : {0.0, 0.1}) {
+    show(1.0, 0.0, 0.0, true, body_tilt);
+    scans(config_.contradictions, Scan::kContradicts);
+    show(0.6, 0.0, 0.0);
+    scans(config_.verify_scans, Scan::kAgrees);
+    ASSERT_EQ(state_.state(), ControlState::kH);
+    EXPECT_EQ(state_.contradictedOnLevelGround(), body_tilt == 0.0);
+  }
 }
 
 TEST_F(PlaneStateTest, ALidarThatContradictsForLongIsBelievedInR) {

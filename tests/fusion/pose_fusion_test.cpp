@@ -1,0 +1,97 @@
+#include "pose_fusion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "drive.h"
+
+namespace rubble::fusion {
+namespace {
+
+using common::Pose3;
+using common::Utime;
+
+constexpr double kSpeed = 0.5;  // m/s
+constexpr Utime kPicture = 100'000;
+constexpr Utime kScan = 25'000;
+
+/// A drive over level floor; the LiDAR sees it as it is, vision at a scale that the test decides.
+class PoseFusionTest : public testing::Test {
+ protected:
+  /// Drives on; returns the farthest that the pose was off, m. `scale`: of vision's steps.
+  double drive(double metres, double scale) {
+    double farthest = 0.0;
+    for (const double end = way_ + metres; way_ < end;) {
+      now_ += kScan;
+      way_ += kSpeed * common::secondsFromUtime(kScan);
+      const Pose3 T_world_body = test::windingPath(way_);
+      fusion_.addLidar({.utime = now_,
+                        .T_world_lidar = test::level(T_world_body * robot_.T_body_lidar()),
+                        .covariance = 1e-4 * Eigen::Matrix3d::Identity(),
+                        .good = true,
+                        .revision = fusion_.plane().revision()});
+      if (now_ % kPicture == 0) {
+        farthest = std::max(farthest, picture(T_world_body, scale));
+      }
+    }
+    return farthest;
+  }
+  void newMap() {
+    ++map_id_;
+    T_mono_camera_ = Pose3::Identity();
+  }
+
+  const common::RobotConfig robot_ = test::robot();
+  PoseFusion fusion_{FusionConfig{}, robot_};
+
+ private:
+  double picture(const Pose3& T_world_body, double scale) {
+    const Pose3 T_world_camera = T_world_body * robot_.T_body_camera();
+    Pose3 step = T_world_camera_.inverse() * T_world_camera;
+    step.translation() /= scale;
+    T_mono_camera_ = T_mono_camera_ * step;
+    T_world_camera_ = T_world_camera;
+    const RobotState state = fusion_.addMono({now_, true, map_id_, 0, T_mono_camera_});
+    // One keyframe for each picture.
+    keyframes_.set(next_keyframe_, {.map_id = map_id_, .T_parent_camera = T_mono_camera_});
+    pictures_.push_back({.utime = now_, .keyframe_id = next_keyframe_++});
+    if (pictures_.size() == 5) {
+      fusion_.addPictures(pictures_, keyframes_, 0);
+      pictures_.clear();
+    }
+    return (state.T_world_body.translation() - T_world_body.translation()).norm();
+  }
+
+  Utime now_ = 1'700'000'000'000'000;
+  double way_ = 0.0;
+  std::int32_t map_id_ = 1;
+  Pose3 T_world_camera_ = robot_.T_body_camera();
+  Pose3 T_mono_camera_ = Pose3::Identity();
+  common::KeyframePoses keyframes_;
+  std::int32_t next_keyframe_ = 0;
+  std::vector<common::AnchoredPose> pictures_;
+};
+
+TEST_F(PoseFusionTest, AYoungScaleIsNotHeldAgainstTheLidar) {
+  EXPECT_LT(drive(5.0, 1.0), 0.03);
+  newMap();
+  // As in a map that was begun in a turn.
+  EXPECT_LT(drive(1.0, 1.0), 0.05);
+  EXPECT_LT(drive(4.0, 2.5), 0.05);
+  EXPECT_EQ(fusion_.plane().contradicted(), 0);
+}
+
+TEST_F(PoseFusionTest, AScaleThatRanAwayOnLevelGroundIsLearntAnewAtOnce) {
+  EXPECT_LT(drive(8.0, 1.0), 0.03);
+  EXPECT_LT(drive(1.0, 2.5), 0.35);
+  EXPECT_EQ(fusion_.plane().contradicted(), 1);
+  EXPECT_LT(drive(8.0, 2.5), 0.05);
+  EXPECT_EQ(fusion_.plane().contradicted(), 1);
+  EXPECT_EQ(fusion_.plane().state(), ControlState::kH);
+}
+
+}  // namespace
+}  // namespace rubble::fusion
