@@ -183,7 +183,8 @@ bool closeLoop(LocalMapper& mapper, const LoopClosure& closure, const OctaveScal
   return true;
 }
 
-BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& scales) {
+BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& scales,
+                             std::size_t most_observations) {
   std::vector<KeyframeId> moving;
   for (const KeyframeId id : map.keyframes()) {
     if (map.keyframe(id)->map_id == map_id) {
@@ -192,7 +193,7 @@ BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& sca
   }
   const std::vector<KeyframeId> fixed{moving.front()};
   moving.erase(moving.begin());
-  return makeBundle(map, moving, fixed, scales);
+  return makeBundle(map, moving, fixed, scales, most_observations);
 }
 
 void applyFullBundle(Map& map, const Map& solved_on, const BundleProblem& problem,

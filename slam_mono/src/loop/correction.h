@@ -15,12 +15,17 @@ bool closeLoop(LocalMapper& mapper, const LoopClosure& closure, const OctaveScal
 
 inline constexpr BundleEffort kFullEffort{30, 1e-6};
 
-/// Full bundle adjustment of one map, as a problem to be solved anywhere.
-BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& scales);
+/// Observations in a full bundle adjustment: about a kilobyte each in the solver.
+inline constexpr std::size_t kMostObservations = 100'000;
+
+/// Full bundle adjustment of one map, as a problem to be solved anywhere; of a large map with about
+/// `most_observations`.
+BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& scales,
+                             std::size_t most_observations = kMostObservations);
 
 /// Writes a full bundle adjustment back into a map that may have grown since `solved_on` was taken: newer
-/// keyframes follow their parents, newer points their reference keyframe. Does nothing when a correction came
-/// in between.
+/// keyframes follow their parents, points that were not in it their reference keyframe. Does nothing when a
+/// correction came in between.
 void applyFullBundle(Map& map, const Map& solved_on, const BundleProblem& problem,
                      const OctaveScales& scales);
 

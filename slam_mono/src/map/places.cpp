@@ -10,9 +10,10 @@ namespace rubble::slam_mono {
 namespace {
 
 constexpr std::size_t kSample = 300;  // features that are asked for their nearest point
-constexpr int kMaxDistance = 60;      // bits
-constexpr double kMaxRatio = 0.85;    // NNDR
-constexpr int kCandidates = 2;        // of its nearest points that a feature may vote for
+constexpr std::size_t kMostPoints = 30'000;
+constexpr int kMaxDistance = 60;    // bits
+constexpr double kMaxRatio = 0.85;  // NNDR
+constexpr int kCandidates = 2;      // of its nearest points that a feature may vote for
 
 }  // namespace
 
@@ -22,6 +23,16 @@ void PlaceTable::update(const std::shared_ptr<const Map>& map) {
   }
   map_ = map;
   ids_ = map->points();
+  if (ids_.size() > kMostPoints) {
+    const auto nth = ids_.begin() + kMostPoints;
+    std::nth_element(ids_.begin(), nth, ids_.end(), [&](PointId a, PointId b) {
+      const std::size_t seen_a = map->point(a)->observations.size();
+      const std::size_t seen_b = map->point(b)->observations.size();
+      return seen_a != seen_b ? seen_a > seen_b : a < b;
+    });
+    ids_.erase(nth, ids_.end());
+    std::sort(ids_.begin(), ids_.end());
+  }
   descriptors_.clear();
   descriptors_.reserve(ids_.size());
   for (const PointId id : ids_) {

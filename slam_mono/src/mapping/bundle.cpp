@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <numeric>
 #include <unordered_map>
 
 #include "geometry/pose_optimizer.h"
@@ -116,10 +117,33 @@ class StopCallback final : public ceres::IterationCallback {
   const std::atomic<bool>* stop_;
 };
 
+/// Of the points the longest tracks, until every keyframe has `share` of them.
+void keepLongestTracks(const Map& map, std::vector<PointId>& points, std::size_t share) {
+  const auto observations = [&](PointId id) -> const std::vector<Observation>& {
+    return map.point(id)->observations;
+  };
+  std::stable_sort(points.begin(), points.end(),
+                   [&](PointId a, PointId b) { return observations(a).size() > observations(b).size(); });
+  std::vector<std::size_t> taken(static_cast<std::size_t>(map.nextKeyframeId()), 0);
+  const auto of = [&](const Observation& o) -> std::size_t& {
+    return taken[static_cast<std::size_t>(o.keyframe)];
+  };
+  std::erase_if(points, [&](PointId id) {
+    const auto& seen = observations(id);
+    if (std::all_of(seen.begin(), seen.end(), [&](const Observation& o) { return of(o) >= share; })) {
+      return true;
+    }
+    std::for_each(seen.begin(), seen.end(), [&](const Observation& o) { ++of(o); });
+    return false;
+  });
+  std::sort(points.begin(), points.end());
+}
+
 }  // namespace
 
 BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
-                         std::span<const KeyframeId> fixed, const OctaveScales& scales) {
+                         std::span<const KeyframeId> fixed, const OctaveScales& scales,
+                         std::size_t most_observations) {
   BundleProblem problem;
   std::unordered_map<KeyframeId, std::size_t> index_of_keyframe;
   const auto addKeyframe = [&](KeyframeId id, bool is_fixed) {
@@ -140,6 +164,12 @@ BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
   }
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
+  const auto observations =
+      std::accumulate(points.begin(), points.end(), std::size_t{0},
+                      [&](std::size_t sum, PointId id) { return sum + map.point(id)->observations.size(); });
+  if (observations > most_observations) {
+    keepLongestTracks(map, points, most_observations / moving.size());
+  }
   for (const PointId id : points) {
     const MapPoint& point = *map.point(id);
     const std::size_t first = problem.residuals.size();
@@ -200,8 +230,16 @@ void solveBundle(const Camera& camera, BundleProblem& problem, const BundleEffor
   }
   FLAGS_minloglevel = google::GLOG_ERROR;  // A step that failed is retried, and nobody's news.
   ceres::Solver::Options solver;
-  constexpr std::size_t kDense = 60;  // Poses up to which a dense reduced system is the faster one.
-  solver.linear_solver_type = free_poses <= kDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+  // Poses up to which a dense reduced system is the faster one, and a factorised one, which grows with their
+  // cube.
+  constexpr std::size_t kDense = 60;
+  constexpr std::size_t kFactorised = 400;
+  solver.linear_solver_type = free_poses <= kDense        ? ceres::DENSE_SCHUR
+                              : free_poses <= kFactorised ? ceres::SPARSE_SCHUR
+                                                          : ceres::ITERATIVE_SCHUR;
+  solver.preconditioner_type = ceres::SCHUR_JACOBI;
+  solver.use_explicit_schur_complement = true;
+  solver.max_linear_solver_iterations = 100;
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = effort.iterations;
   solver.function_tolerance = effort.tolerance;
