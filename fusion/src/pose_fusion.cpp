@@ -258,8 +258,12 @@ bool PoseFusion::visionCarries() const {
   if (!visionTracks() || known == maps_.end() || !known->second.scale_known) {
     return false;
   }
-  return known->second.way >= config_.firm_way || plane_.state() != ControlState::kH ||
-         !lidarMatches(path_.last().utime);
+  const double way = known->second.way;
+  const ControlState state = plane_.state();
+  if (way == 0.0) {
+    return state == ControlState::kM;  // A scale that was wrong is better than none.
+  }
+  return way >= config_.firm_way || state != ControlState::kH || !lidarMatches(path_.last().utime);
 }
 
 void PoseFusion::noteVelocity(const LidarMeasurement& lidar) {
@@ -324,11 +328,11 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   }
   // Its scale ran away, or it took one place for another.
   if (insisted || (returned && jumps && plane_.contradictedOnLevelGround())) {
-    distrustVision();
     if (!usable) {
       standLevel();
       path_.correct(motionAbout(T_predicted.translation(), Vector3d::Zero(), {0.0, 0.0, -plane.height}));
     }
+    distrustVision();
   }
   // An unknown tilt tells nothing about the plane.
   const bool follows = lidar.good && (usable || (!attitude_known_ && plane.tilt <= kHopelessTilt));
@@ -349,7 +353,12 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
 }
 
 void PoseFusion::distrustVision() {
-  maps_[map_id_].way = 0.0;
+  const Track& last = path_.last();
+  MapAlignment& map = maps_[map_id_];
+  map.way = 0.0;
+  if (last.tracking) {
+    map.S_world_mono.R = last.T_world_camera.linear() * last.T_mono_camera.linear().transpose();
+  }
   window_.clear();
 }
 

@@ -91,7 +91,7 @@ class PoseFusion {
   /// Scans whose time vision has reached.
   void useWaiting();
   void useLidar(const LidarMeasurement& lidar);
-  /// The scale of the present map is learnt anew.
+  /// The scale of the present map is learnt anew, from the attitude as it is now.
   void distrustVision();
   void noteVelocity(const LidarMeasurement& lidar);
   common::Pose3 extrapolate(common::Utime utime) const;
@@ -103,7 +103,7 @@ class PoseFusion {
   void standLevel();
   RobotState state() const;
   /// Vision tells how far the robot moves. In H the LiDAR does while the scale is young: a map that was begun
-  /// in a turn may have a scale that nobody measured.
+  /// in a turn may have a scale that nobody measured. In R, too, while it is learnt anew.
   bool visionCarries() const;
   void addSamples(std::span<const common::AnchoredPose> pictures);
   void solve(const common::KeyframePoses& keyframes);

@@ -44,6 +44,9 @@ class PoseFusionTest : public testing::Test {
     T_mono_camera_ = Pose3::Identity();
   }
 
+  /// Vision takes a turn upwards that was none.
+  void tiltVision(double angle) { T_mono_camera_.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX())); }
+
   const common::RobotConfig robot_ = test::robot();
   PoseFusion fusion_{FusionConfig{}, robot_};
 
@@ -90,6 +93,18 @@ TEST_F(PoseFusionTest, AScaleThatRanAwayOnLevelGroundIsLearntAnewAtOnce) {
   EXPECT_EQ(fusion_.plane().contradicted(), 1);
   EXPECT_LT(drive(8.0, 2.5), 0.05);
   EXPECT_EQ(fusion_.plane().contradicted(), 1);
+  EXPECT_EQ(fusion_.plane().state(), ControlState::kH);
+}
+
+TEST_F(PoseFusionTest, AfterALidarThatInsistedVisionIsNotBelievedAgain) {
+  drive(8.0, 1.0);
+  tiltVision(0.07);
+  drive(1.2, 2.5);
+  ASSERT_EQ(fusion_.plane().state(), ControlState::kR) << "a tilt that may be an error";
+  drive(1.7, 2.5);
+  ASSERT_EQ(fusion_.plane().state(), ControlState::kH) << "the LiDAR has contradicted for three seconds";
+  EXPECT_LT(drive(6.0, 2.5), 0.05);
+  EXPECT_EQ(fusion_.plane().contradicted(), 0);
   EXPECT_EQ(fusion_.plane().state(), ControlState::kH);
 }
 
