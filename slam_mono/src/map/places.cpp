@@ -10,7 +10,7 @@ namespace rubble::slam_mono {
 namespace {
 
 constexpr std::size_t kSample = 300;  // features that are asked for their nearest point
-constexpr std::size_t kMostPoints = 30'000;
+constexpr std::size_t kMostPoints = 60'000;
 constexpr int kMaxDistance = 60;    // bits
 constexpr double kMaxRatio = 0.85;  // NNDR
 constexpr int kCandidates = 2;      // of its nearest points that a feature may vote for
@@ -23,15 +23,8 @@ void PlaceTable::update(const std::shared_ptr<const Map>& map) {
   }
   map_ = map;
   ids_ = map->points();
-  if (ids_.size() > kMostPoints) {
-    const auto nth = ids_.begin() + kMostPoints;
-    std::nth_element(ids_.begin(), nth, ids_.end(), [&](PointId a, PointId b) {
-      const std::size_t seen_a = map->point(a)->observations.size();
-      const std::size_t seen_b = map->point(b)->observations.size();
-      return seen_a != seen_b ? seen_a > seen_b : a < b;
-    });
-    ids_.erase(nth, ids_.end());
-    std::sort(ids_.begin(), ids_.end());
+  if (const std::size_t step = 1 + ids_.size() / kMostPoints; step > 1) {
+    std::erase_if(ids_, [&](PointId id) { return id % step != 0; });
   }
   descriptors_.clear();
   descriptors_.reserve(ids_.size());
