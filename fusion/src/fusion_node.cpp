@@ -41,8 +41,10 @@ constexpr Utime kCommandValid = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kControlPeriod = common::kMicrosecondsPerSecond / 20;
 constexpr Utime kPathPeriod = common::kMicrosecondsPerSecond;
 constexpr Utime kStatePeriod = common::kMicrosecondsPerSecond / 2;
-/// Silence of MONO_POSE after which the state is published without pictures, and how often.
 constexpr double kVisionStarts = 1.0;  // m of driving, after which it should have
+/// Silence of the LiDAR that HEALTH tells.
+constexpr Utime kLidarSilence = common::kMicrosecondsPerSecond / 2;
+/// Silence of MONO_POSE after which the state is published without pictures, and how often.
 constexpr Utime kMonoSilence = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kBlindPeriod = common::kMicrosecondsPerSecond / 30;
 /// A picture that seems to be later than this is of a log.
@@ -120,7 +122,6 @@ class FusionNode : public lcm_io::Node {
     status.state = std::string(1, "HMR"[static_cast<int>(fusion_.plane().state())]);
     const Utime now = last_state_.utime;
     const bool vision = fusion_.visionTracks();
-    const bool lidar = fusion_.lidarMatches(now);
     const auto alignment = fusion_.alignment();
     std::string& detail = status.detail;
     const auto say = [&](const std::string& what) { detail += (detail.empty() ? "" : "; ") + what; };
@@ -137,7 +138,7 @@ class FusionNode : public lcm_io::Node {
     }
     if (lidar_poses_ == 0) {
       say("no LIDAR_POSE yet: is rubble-slam-lidar running? position has no scale");
-    } else if (h && !lidar) {
+    } else if (h && now - fusion_.lastLidar() > kLidarSilence) {
       say("no matched LIDAR_POSE: vision alone carries the pose");
     }
     if (!last_state_.attitude_known) {

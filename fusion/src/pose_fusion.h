@@ -78,7 +78,8 @@ class PoseFusion {
   /// Of the present monocular map; empty before its first picture.
   std::optional<MapAlignment> alignment() const;
   bool visionTracks() const { return !path_.empty() && path_.last().tracking; }
-  bool lidarMatches(common::Utime now) const;
+  /// Time of the last scan that the pose has followed; 0: none yet.
+  common::Utime lastLidar() const { return last_lidar_; }
   /// What contradicts the calibration, in words; empty when nothing does.
   std::string complaint() const { return window_.complaint(); }
 
@@ -87,6 +88,7 @@ class PoseFusion {
   void restore(const FusionMemory& memory);
 
  private:
+  bool lidarMatches(common::Utime now) const;
   common::Pose3 carry(const MonoMeasurement& mono);
   /// Scans whose time vision has reached.
   void useWaiting();
