@@ -138,6 +138,28 @@ TEST(ObjectMarks, TheLidarsRangePlacesWhatIsSeenFromOnePlace) {
   EXPECT_LT((marks.marks().front().position.p_world - kFace.translation()).norm(), 0.05);
 }
 
+TEST(ObjectMarks, AWrongRangeMakesNoSecondMarkOfACode) {
+  ObjectMarks marks{{}};
+  Robot robot;
+  const auto code = [&](int picture) {
+    Sighting sighting = robot.see(poseOnTheWay(picture), kFace, "qr", 1e-3);
+    sighting.label = {"qr", "qr", "room 7"};
+    return sighting;
+  };
+  for (int i = 0; i < 30; ++i) {
+    const Sighting sighting = code(i);
+    marks.addPicture(robot.place(poseOnTheWay(i)), std::span(&sighting, 1));
+  }
+  // The LiDAR sees a box before the wall.
+  for (int i = 30; i < 33; ++i) {
+    Sighting sighting = code(i);
+    sighting.lidar = RangeMeasurement{0.6, 0.05};
+    marks.addPicture(robot.place(poseOnTheWay(i)), std::span(&sighting, 1));
+  }
+  ASSERT_EQ(marks.marks().size(), 1U);
+  EXPECT_LT((marks.marks()[0].position.p_world - kFace.translation()).norm(), 0.1);
+}
+
 TEST(ObjectMarks, WithoutDistanceItStaysPending) {
   Robot robot;
   ObjectMarks marks{{}};

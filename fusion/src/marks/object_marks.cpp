@@ -164,7 +164,8 @@ Mark* ObjectMarks::find(const Bearing& seen, const std::set<std::int32_t>& taken
     const double lateral = std::sqrt(direction.dot(mark.position.covariance * direction));
     const double gate = kGate * std::hypot(kBearingSigma, lateral / range) + seen.half_size;
     double error = angle / gate;
-    if (seen.view.range_sigma > 0.0) {
+    // A code's text says which one it is; a range may be that of something in front of the wall.
+    if (seen.view.range_sigma > 0.0 && mark.label.text.empty()) {
       const double depth = std::sqrt(seen.view.d_world.dot(mark.position.covariance * seen.view.d_world));
       const double range_gate = kGate * std::hypot(seen.view.range_sigma, depth) + config_.same_object;
       error = std::max(error, std::abs(range - seen.view.range) / range_gate);
