@@ -1,6 +1,7 @@
 #include "loop/correction.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -163,6 +164,28 @@ void mergeMaps(LocalMapper& mapper, const LoopClosure& closure) {
   fuseEnds(mapper, map.around(closure.keyframe, kAround), map.around(closure.place, kAround));
 }
 
+/// Of the points the longest tracks, until every keyframe has `share` of them.
+void keepLongestTracks(const Map& map, std::vector<PointId>& points, std::size_t share) {
+  const auto observations = [&](PointId id) -> const std::vector<Observation>& {
+    return map.point(id)->observations;
+  };
+  std::stable_sort(points.begin(), points.end(),
+                   [&](PointId a, PointId b) { return observations(a).size() > observations(b).size(); });
+  std::vector<std::size_t> taken(static_cast<std::size_t>(map.nextKeyframeId()), 0);
+  const auto of = [&](const Observation& o) -> std::size_t& {
+    return taken[static_cast<std::size_t>(o.keyframe)];
+  };
+  std::erase_if(points, [&](PointId id) {
+    const auto& seen = observations(id);
+    if (std::all_of(seen.begin(), seen.end(), [&](const Observation& o) { return of(o) >= share; })) {
+      return true;
+    }
+    std::for_each(seen.begin(), seen.end(), [&](const Observation& o) { ++of(o); });
+    return false;
+  });
+  std::sort(points.begin(), points.end());
+}
+
 }  // namespace
 
 bool closeLoop(LocalMapper& mapper, const LoopClosure& closure, const OctaveScales& scales) {
@@ -193,7 +216,14 @@ BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& sca
   }
   const std::vector<KeyframeId> fixed{moving.front()};
   moving.erase(moving.begin());
-  return makeBundle(map, moving, fixed, scales, most_observations);
+  std::vector<PointId> points = map.pointsOf(moving);
+  const auto observations =
+      std::accumulate(points.begin(), points.end(), std::size_t{0},
+                      [&](std::size_t sum, PointId id) { return sum + map.point(id)->observations.size(); });
+  if (observations > most_observations) {
+    keepLongestTracks(map, points, most_observations / moving.size());
+  }
+  return makeBundle(map, moving, fixed, points, scales);
 }
 
 void applyFullBundle(Map& map, const Map& solved_on, const BundleProblem& problem,

@@ -18,8 +18,9 @@ inline constexpr BundleEffort kFullEffort{30, 1e-6};
 /// Observations in a full bundle adjustment: about a kilobyte each in the solver.
 inline constexpr std::size_t kMostObservations = 100'000;
 
-/// Full bundle adjustment of one map, as a problem to be solved anywhere; of a large map with about
-/// `most_observations`.
+/// Full bundle adjustment of one map, as a problem to be solved anywhere. Where its points have more than
+/// `most_observations`, those of the longest tracks are taken, until every keyframe has its share: memory and
+/// time stay bounded while the map grows.
 BundleProblem makeFullBundle(const Map& map, int map_id, const OctaveScales& scales,
                              std::size_t most_observations = kMostObservations);
 

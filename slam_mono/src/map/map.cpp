@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -77,6 +78,17 @@ std::vector<PointId> Map::points() const {
       }
     }
   }
+  return ids;
+}
+
+std::vector<PointId> Map::pointsOf(std::span<const KeyframeId> keyframes) const {
+  std::vector<PointId> ids;
+  for (const KeyframeId id : keyframes) {
+    const auto& seen = keyframe(id)->points;
+    std::copy_if(seen.begin(), seen.end(), std::back_inserter(ids), [](PointId p) { return p != kNoPoint; });
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -79,6 +80,8 @@ class Map {
   /// Ids of all that exist, ascending.
   std::vector<KeyframeId> keyframes() const;
   std::vector<PointId> points() const;
+  /// What the keyframes see, ascending.
+  std::vector<PointId> pointsOf(std::span<const KeyframeId> keyframes) const;
   std::size_t keyframeCount() const { return keyframe_count_; }
   std::size_t pointCount() const { return point_count_; }
   KeyframeId nextKeyframeId() const { return static_cast<KeyframeId>(keyframes_.size()); }

@@ -27,14 +27,7 @@ void LocalPoints::add(PointId id, const MapPoint& point) {
 }
 
 LocalPoints gatherPoints(const Map& map, std::span<const KeyframeId> keyframes) {
-  std::vector<PointId> ids;
-  for (const KeyframeId id : keyframes) {
-    const auto& points = map.keyframe(id)->points;
-    std::copy_if(points.begin(), points.end(), std::back_inserter(ids),
-                 [](PointId p) { return p != kNoPoint; });
-  }
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  const std::vector<PointId> ids = map.pointsOf(keyframes);
   LocalPoints local;
   local.points.reserve(ids.size());
   local.descriptors.reserve(ids.size());

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <deque>
-#include <numeric>
 #include <unordered_map>
 
 #include "geometry/pose_optimizer.h"
@@ -117,33 +116,11 @@ class StopCallback final : public ceres::IterationCallback {
   const std::atomic<bool>* stop_;
 };
 
-/// Of the points the longest tracks, until every keyframe has `share` of them.
-void keepLongestTracks(const Map& map, std::vector<PointId>& points, std::size_t share) {
-  const auto observations = [&](PointId id) -> const std::vector<Observation>& {
-    return map.point(id)->observations;
-  };
-  std::stable_sort(points.begin(), points.end(),
-                   [&](PointId a, PointId b) { return observations(a).size() > observations(b).size(); });
-  std::vector<std::size_t> taken(static_cast<std::size_t>(map.nextKeyframeId()), 0);
-  const auto of = [&](const Observation& o) -> std::size_t& {
-    return taken[static_cast<std::size_t>(o.keyframe)];
-  };
-  std::erase_if(points, [&](PointId id) {
-    const auto& seen = observations(id);
-    if (std::all_of(seen.begin(), seen.end(), [&](const Observation& o) { return of(o) >= share; })) {
-      return true;
-    }
-    std::for_each(seen.begin(), seen.end(), [&](const Observation& o) { ++of(o); });
-    return false;
-  });
-  std::sort(points.begin(), points.end());
-}
-
 }  // namespace
 
 BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
-                         std::span<const KeyframeId> fixed, const OctaveScales& scales,
-                         std::size_t most_observations) {
+                         std::span<const KeyframeId> fixed, std::span<const PointId> points,
+                         const OctaveScales& scales) {
   BundleProblem problem;
   std::unordered_map<KeyframeId, std::size_t> index_of_keyframe;
   const auto addKeyframe = [&](KeyframeId id, bool is_fixed) {
@@ -152,23 +129,11 @@ BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
     problem.T_camera_mono.push_back(map.keyframe(id)->T_camera_mono);
     problem.fixed.push_back(is_fixed);
   };
-  std::vector<PointId> points;
   for (const KeyframeId id : moving) {
     addKeyframe(id, false);
-    const auto& seen = map.keyframe(id)->points;
-    std::copy_if(seen.begin(), seen.end(), std::back_inserter(points),
-                 [](PointId p) { return p != kNoPoint; });
   }
   for (const KeyframeId id : fixed) {
     addKeyframe(id, true);
-  }
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  const auto observations =
-      std::accumulate(points.begin(), points.end(), std::size_t{0},
-                      [&](std::size_t sum, PointId id) { return sum + map.point(id)->observations.size(); });
-  if (observations > most_observations) {
-    keepLongestTracks(map, points, most_observations / moving.size());
   }
   for (const PointId id : points) {
     const MapPoint& point = *map.point(id);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <limits>
 #include <map>
 #include <span>
 #include <utility>
@@ -30,12 +29,10 @@ struct BundleProblem {
   std::vector<std::size_t> outliers;  ///< result: residuals beyond kChi2Two or behind the camera
 };
 
-/// The keyframes that move with the points they see, and `fixed` ones that hold them. Where the points have
-/// more than `most_observations`, those of the longest tracks are taken, until every keyframe that moves has
-/// its share: memory and time stay bounded while the map grows.
+/// The keyframes that move, the points that move with them, and `fixed` keyframes that hold them.
 BundleProblem makeBundle(const Map& map, std::span<const KeyframeId> moving,
-                         std::span<const KeyframeId> fixed, const OctaveScales& scales,
-                         std::size_t most_observations = std::numeric_limits<std::size_t>::max());
+                         std::span<const KeyframeId> fixed, std::span<const PointId> points,
+                         const OctaveScales& scales);
 
 /// When to stop.
 struct BundleEffort {

@@ -64,7 +64,7 @@ std::optional<KeyframeId> LocalMapper::start(const NewMap& request) {
   }
   const std::array moving{second};
   const std::array fixed{first};
-  BundleProblem problem = makeBundle(map_, moving, fixed, scales_);
+  BundleProblem problem = makeBundle(map_, moving, fixed, map_.pointsOf(moving), scales_);
   solveBundle(camera_, problem, kStartEffort);
   applyBundle(map_, problem, scales_);
   const auto seen = map_.keyframe(second)->points;
@@ -354,7 +354,7 @@ void LocalMapper::adjust(KeyframeId newest) {
     fixed.push_back(moving.front());
     moving.erase(moving.begin());
   }
-  BundleProblem problem = makeBundle(map_, moving, fixed, scales_);
+  BundleProblem problem = makeBundle(map_, moving, fixed, map_.pointsOf(moving), scales_);
   solveBundle(camera_, problem, {.iterations = config_.mapping.iterations});
   applyBundle(map_, problem, scales_);
 }
