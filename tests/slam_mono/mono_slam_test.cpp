@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "map/map_file.h"
@@ -92,6 +93,31 @@ TEST_F(MonoSlamTest, StartsAfterTurningAndStanding) {
   route.drive(path_, 0.0, 3.0, kSpeed);
   mission_.follow(route.poses());
   expectGood(mission_);
+}
+
+TEST_F(MonoSlamTest, NoViewHasMoreThanAFewKeyframesHoweverOftenItIsSeen) {
+  const std::vector<Eigen::Vector2d> square{{-4.0, -3.0}, {-2.0, -3.0}, {-2.0, -1.0}, {-4.0, -1.0}};
+  const FloorPath small(square, true, 0.8);
+  Route route(small.at(0.0), kRate, 1);
+  route.drive(small, 0.0, 4.0 * small.length(), kSpeed);
+  mission_.follow(route.poses(), {.detected = 0.5});
+  const auto map = mission_.map();
+  const auto ids = map->keyframes();
+  ASSERT_GT(ids.size(), 20U);
+  const auto alike = [&](KeyframeId a, KeyframeId b) {
+    const Keyframe& k = *map->keyframe(a);
+    const Keyframe& other = *map->keyframe(b);
+    return (k.p_mono_camera() - other.p_mono_camera()).norm() < 0.18 * map->medianDistance(a) &&
+           k.T_camera_mono.linear().row(2).dot(other.T_camera_mono.linear().row(2)) > std::cos(0.3);
+  };
+  for (const KeyframeId id : ids) {
+    if (id < ids.back() - 40) {
+      EXPECT_LE(std::count_if(ids.begin(), ids.end(),
+                              [&](KeyframeId other) { return other < id && alike(id, other); }),
+                3)
+          << id;
+    }
+  }
 }
 
 TEST_F(MonoSlamTest, SurvivesASecondInTheDark) {
