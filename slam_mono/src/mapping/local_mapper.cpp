@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "mapping/keyframe_culling.h"
 #include "orb/hamming.h"
 
 namespace rubble::slam_mono {
@@ -20,11 +21,7 @@ constexpr double kMinFoundShare = 0.25;  // of the frames that should see a poin
 constexpr double kMinParallax = 0.01;    // rad, of two views that make a point
 constexpr double kMinBaseline = 0.005;   // of the median distance, of two keyframes that make points
 constexpr KeyframeId kKeptNewest = 5;    // keyframes that are not culled: the tracker leans on them
-constexpr std::size_t kRedundantViews = 3;
-constexpr KeyframeId kLocal = 20;       // keyframes, of which local mapping needs every one
-constexpr int kMostAlike = 3;           // keyframes with one view
-constexpr double kAlikeDistance = 0.2;  // of the median distance
-constexpr double kAlikeAngle = 0.35;    // rad
+constexpr KeyframeId kLocal = 20;        // keyframes, of which local mapping needs every one
 
 }  // namespace
 
@@ -370,53 +367,11 @@ void LocalMapper::cullKeyframes(KeyframeId newest) {
     if (k.parent == kNoKeyframe || id > newest - kKeptNewest || !k.loops.empty()) {
       continue;
     }
-    if (othersSeeItsPoints(k) || (id <= newest - kLocal && othersHaveItsView(k))) {
+    if (othersSeeItsPoints(map_, k, config_.mapping.redundant_share) ||
+        (id <= newest - kLocal && othersHaveItsView(map_, k))) {
       map_.eraseKeyframe(id);
     }
   }
-}
-
-bool LocalMapper::othersSeeItsPoints(const Keyframe& k) const {
-  int points = 0;
-  int redundant = 0;
-  for (std::uint32_t i = 0; i < k.points.size(); ++i) {
-    if (k.points[i] == kNoPoint) {
-      continue;
-    }
-    ++points;
-    const MapPoint& p = *map_.point(k.points[i]);
-    if (p.observations.size() <= kRedundantViews) {
-      continue;
-    }
-    const int octave = k.frame->features.octave[i];
-    std::size_t others = 0;
-    for (const Observation& o : p.observations) {
-      others +=
-          o.keyframe != k.id && map_.keyframe(o.keyframe)->frame->features.octave[o.feature] <= octave + 1
-              ? 1
-              : 0;
-      if (others >= kRedundantViews) {
-        break;
-      }
-    }
-    redundant += others >= kRedundantViews ? 1 : 0;
-  }
-  return redundant > config_.mapping.redundant_share * points;
-}
-
-bool LocalMapper::othersHaveItsView(const Keyframe& k) const {
-  const double near = kAlikeDistance * map_.medianDistance(k.id);
-  const Eigen::Vector3d p = k.p_mono_camera();
-  int alike = 0;
-  for (KeyframeId id = 0; id < k.id && alike < kMostAlike; ++id) {
-    const Keyframe* older = map_.keyframe(id);
-    alike += older != nullptr && older->map_id == k.map_id && (older->p_mono_camera() - p).norm() < near &&
-                     older->T_camera_mono.linear().row(2).dot(k.T_camera_mono.linear().row(2)) >
-                         std::cos(kAlikeAngle)
-                 ? 1
-                 : 0;
-  }
-  return alike == kMostAlike;
 }
 
 }  // namespace rubble::slam_mono

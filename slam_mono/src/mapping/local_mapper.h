@@ -39,12 +39,8 @@ class LocalMapper {
   void fuseNeighbours(KeyframeId newest);
   void adjust(KeyframeId newest);
   /// Erases neighbours of `newest` that others can stand for: by their points, or, when they are no longer
-  /// local, by their view. The latter makes the map grow with the space explored, not with time, even where
-  /// features flicker and new points come with every visit.
+  /// local, by their view.
   void cullKeyframes(KeyframeId newest);
-  bool othersSeeItsPoints(const Keyframe& k) const;
-  /// Three older ones stand near it and look the same way.
-  bool othersHaveItsView(const Keyframe& k) const;
 
   const Camera& camera_;
   const OctaveScales& scales_;
