@@ -36,7 +36,7 @@ struct FullBundle {
 struct LiveMonoSlam::State {
   State(const Camera& c, const MonoSlamConfig& config)
       : camera(c),
-        scales(config.orb.scale_factor, config.orb.levels),
+        scales(config.orb.scale_factor, config.orb.levels, camera.pixelAngle()),
         tracker(camera, scales, config),
         mapper(camera, scales, config),
         loop_closer(camera, scales, config.loop),

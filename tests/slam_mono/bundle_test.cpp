@@ -84,7 +84,7 @@ TEST(BundleTest, OfALargeMapTheLongestTracksAreAdjustedAndTheRestFollows) {
   const MonoSlamConfig config;
   Mission mission(scene.world, arenaCamera(), config, 1);
   mission.follow(route.poses());
-  const OctaveScales scales(config.orb.scale_factor, config.orb.levels);
+  const OctaveScales scales(config.orb.scale_factor, config.orb.levels, arenaCamera().pixelAngle());
   const Map& before = *mission.map();
   const int map_id = before.mapIds().front();
   const BundleProblem all = makeFullBundle(before, map_id, scales);

@@ -38,7 +38,7 @@ class SmallMapTest : public testing::Test {
     for (int i = 0; i < 5; ++i) {
       addKeyframe(i < 4 ? 1 : 2);
     }
-    const OctaveScales scales(1.2, kLevels);
+    const OctaveScales scales(1.2, kLevels, 0.0025);
     for (std::uint32_t i = 0; i < kFeatures; ++i) {
       MapPoint point;
       point.map_id = 1;

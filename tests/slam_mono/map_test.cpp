@@ -2,10 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/LU>
+#include <cmath>
+
 namespace rubble::slam_mono {
 namespace {
 
-const OctaveScales kScales(1.2, 8);
+const OctaveScales kScales(1.2, 8, 0.0025);
 
 /// Keyframes one metre apart that all see the same points, feature i showing point i.
 class MapTest : public testing::Test {
@@ -46,6 +49,35 @@ class MapTest : public testing::Test {
   static constexpr int kPoints = 40;
   Map map_;
 };
+
+TEST_F(MapTest, UncertaintyOfAPointIsThatOfItsRays) {
+  // Three cameras one metre apart see it four metres away: two independent errors across, each of the noise
+  // times the distance, and along the line of sight what the directions' spread makes of it.
+  const double sigma = kScales.angle(2);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  const MapPoint& point = *map_.point(0);
+  for (KeyframeId k = 0; k < 3; ++k) {
+    const Eigen::Vector3d ray = point.p_mono_point - map_.keyframe(k)->p_mono_camera();
+    information += (ray.squaredNorm() * Eigen::Matrix3d::Identity() - ray * ray.transpose()) /
+                   (ray.squaredNorm() * ray.squaredNorm() * sigma * sigma);
+  }
+  const Eigen::Matrix3d covariance = information.inverse();
+  const Eigen::Vector3d u = point.uncertainty;
+  EXPECT_TRUE((covariance * u).isApprox(u.squaredNorm() * u, 1e-6));
+  EXPECT_GT(u.squaredNorm(), 0.5 * covariance.trace());
+  EXPECT_NEAR(u.norm(), 4.0 * 4.0 * sigma / std::sqrt(2.0), 0.1);
+}
+
+TEST_F(MapTest, UncertaintyEndsWhereNothingIsKnownOfTheDistance) {
+  for (KeyframeId k = 0; k < 3; ++k) {
+    map_.edit(k).T_camera_mono.translation().x() = 0.0;
+  }
+  map_.refreshPoint(0, kScales);
+  EXPECT_NEAR(map_.point(0)->uncertainty.norm(), 40.0, 1e-6);
+  EXPECT_NEAR(std::abs(map_.point(0)->uncertainty.normalized().z()), 1.0, 1e-6);
+  map_.transform(1, Sim3(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), Eigen::Vector3d::Zero(), 0.5), 2);
+  EXPECT_NEAR(map_.point(0)->uncertainty.norm(), 20.0, 1e-6);
+}
 
 TEST_F(MapTest, SnapshotsDontSeeLaterEdits) {
   const auto snapshot = map_.snapshot();

@@ -19,6 +19,7 @@ constexpr int kMinInliers = 3;
 // Squared, normalised, of a point without a pixel or further off than this: lens polynomials run wild far
 // outside the picture.
 constexpr double kUnseenError = 1e5;
+constexpr double kLeastBlur = 1e-3;  // sigma, of a point's uncertainty in the picture
 
 double squaredError(const Camera& camera, const PointObservation& observation, const common::Pose3& T) {
   const auto pixel = camera.project(T * observation.p_mono_point);
@@ -26,8 +27,26 @@ double squaredError(const Camera& camera, const PointObservation& observation, c
                : kUnseenError;
 }
 
+/// Square root of the inverse covariance of an observation's error: the feature's own noise, and how the
+/// point's uncertainty shows in the picture from T.
+Eigen::Matrix2d whitening(const Camera& camera, const PointObservation& observation, const common::Pose3& T) {
+  Eigen::Matrix2d W = Eigen::Matrix2d::Identity() / observation.sigma;
+  const Eigen::Vector3d p = T * observation.p_mono_point;
+  if (!camera.project(p)) {
+    return W;  // It is not looked at from there.
+  }
+  const Eigen::Vector2d blur = camera.projectJacobian(p) * (T.linear() * observation.uncertainty);
+  const double length = blur.norm();
+  if (length > kLeastBlur * observation.sigma) {
+    const Eigen::Vector2d line = blur / length;
+    W += (1.0 / std::hypot(observation.sigma, length) - 1.0 / observation.sigma) * line * line.transpose();
+  }
+  return W;
+}
+
 NormalEquations<6> linearize(const Camera& camera, const common::Pose3& T,
-                             std::span<const PointObservation> observations, const std::vector<bool>& active,
+                             std::span<const PointObservation> observations,
+                             std::span<const Eigen::Matrix2d> whitenings, const std::vector<bool>& active,
                              bool robust) {
   NormalEquations<6> equations;
   const double bound = robust ? kChi2Two : std::numeric_limits<double>::infinity();
@@ -37,29 +56,30 @@ NormalEquations<6> linearize(const Camera& camera, const common::Pose3& T,
     }
     const Eigen::Vector3d p = T * observations[i].p_mono_point;
     const auto pixel = camera.project(p);
-    const double inverse_sigma = 1.0 / observations[i].sigma;
     const Eigen::Vector2d error =
-        pixel ? Eigen::Vector2d((*pixel - observations[i].pixel) * inverse_sigma) : Eigen::Vector2d::Zero();
+        pixel ? Eigen::Vector2d(whitenings[i] * (*pixel - observations[i].pixel)) : Eigen::Vector2d::Zero();
     const double squared = pixel ? error.squaredNorm() : kUnseenError;
     if (!(squared < kUnseenError)) {
       equations.cost += huberCost(kUnseenError, bound);
       continue;
     }
     equations.cost += huberCost(squared, bound);
-    equations.add<2>(poseJacobian(camera, p) * inverse_sigma, error, huberWeight(squared, bound));
+    equations.add<2>(whitenings[i] * poseJacobian(camera, p), error, huberWeight(squared, bound));
   }
   return equations;
 }
 
 /// Covariance of the camera's pose in mono, infinite where the inliers do not fix it.
 Matrix6 covarianceOf(const Camera& camera, const common::Pose3& T_camera_mono,
-                     std::span<const PointObservation> observations, const PoseOptimum& optimum) {
+                     std::span<const PointObservation> observations,
+                     std::span<const Eigen::Matrix2d> whitenings, const PoseOptimum& optimum) {
   Matrix6 covariance = Matrix6::Zero();
   covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   if (optimum.inlier_count < kMinInliers) {
     return covariance;
   }
-  const NormalEquations<6> equations = linearize(camera, T_camera_mono, observations, optimum.inliers, false);
+  const NormalEquations<6> equations =
+      linearize(camera, T_camera_mono, observations, whitenings, optimum.inliers, false);
   // Scaled to a unit diagonal: metres and radians differ.
   const Vector6 diagonal = equations.H.diagonal();
   if (!(diagonal.minCoeff() > 0.0)) {
@@ -115,6 +135,7 @@ PoseOptimum optimizePose(const Camera& camera, const common::Pose3& T_camera_mon
   optimum.inliers.assign(observations.size(), true);
   optimum.inlier_count = static_cast<int>(observations.size());
   std::vector<bool> before;
+  std::vector<Eigen::Matrix2d> whitenings(observations.size());
   for (int round = 0; round < kRounds && optimum.inlier_count >= kMinInliers; ++round) {
     // As ORB-SLAM: once the outliers are out, the kernel would only bias the rest.
     const bool robust = round + 1 < kRounds;
@@ -122,9 +143,14 @@ PoseOptimum optimizePose(const Camera& camera, const common::Pose3& T_camera_mon
       continue;  // the same minimum again
     }
     before = optimum.inliers;
+    // Once a round: with weights that change on the way no step could be judged by the cost.
+    std::transform(observations.begin(), observations.end(), whitenings.begin(),
+                   [&](const PointObservation& o) { return whitening(camera, o, optimum.T_camera_mono); });
     levenbergMarquardt<6>(
         optimum.T_camera_mono, kIterations,
-        [&](const common::Pose3& T) { return linearize(camera, T, observations, optimum.inliers, robust); },
+        [&](const common::Pose3& T) {
+          return linearize(camera, T, observations, whitenings, optimum.inliers, robust);
+        },
         perturbed);
     optimum.inlier_count = 0;
     for (std::size_t i = 0; i < observations.size(); ++i) {
@@ -137,7 +163,7 @@ PoseOptimum optimizePose(const Camera& camera, const common::Pose3& T_camera_mon
     optimum.inliers.assign(observations.size(), false);
     optimum.inlier_count = 0;
   }
-  optimum.covariance = covarianceOf(camera, optimum.T_camera_mono, observations, optimum);
+  optimum.covariance = covarianceOf(camera, optimum.T_camera_mono, observations, whitenings, optimum);
   return optimum;
 }
 

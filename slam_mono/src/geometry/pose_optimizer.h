@@ -14,6 +14,8 @@ struct PointObservation {
   Eigen::Vector3d p_mono_point;
   Eigen::Vector2d pixel;
   double sigma = 1.0;  ///< pixels, standard deviation of the feature (its pyramid level's scale)
+  /// One standard deviation of the point along its least certain direction, in `mono`.
+  Eigen::Vector3d uncertainty = Eigen::Vector3d::Zero();
 };
 
 /// Squared normalised reprojection error above which an observation is an outlier: chi2, 2 dof, 95 %.
@@ -29,8 +31,10 @@ struct PoseOptimum {
 };
 
 /// Camera pose from 2D-3D observations: Levenberg-Marquardt on the Huber-weighted reprojection error,
-/// outliers set aside and tried again between four rounds (ORB-SLAM section V-B's pose optimisation). With
-/// fewer than three inliers the pose is returned as far as it came, with an infinite covariance.
+/// outliers set aside and tried again between four rounds (ORB-SLAM section V-B's pose optimisation). A point
+/// counts less along the line on which its uncertainty shows in the picture, but is an inlier only if the
+/// feature's own noise explains its error. With fewer than three inliers the pose is returned as far as it
+/// came, with an infinite covariance.
 PoseOptimum optimizePose(const Camera& camera, const common::Pose3& T_camera_mono_start,
                          std::span<const PointObservation> observations);
 

@@ -69,8 +69,8 @@ Frame::Frame(common::Utime frame_utime, orb::Features frame_features, const Came
   }
 }
 
-OctaveScales::OctaveScales(double scale_factor, int levels)
-    : factor_(scale_factor), log_factor_(std::log(scale_factor)) {
+OctaveScales::OctaveScales(double scale_factor, int levels, double pixel_angle)
+    : factor_(scale_factor), log_factor_(std::log(scale_factor)), pixel_angle_(pixel_angle) {
   for (int i = 0; i < levels; ++i) {
     scales_.push_back(std::pow(scale_factor, i));
   }

@@ -44,20 +44,23 @@ struct Frame {
   FeatureGrid grid;
 };
 
-/// Sizes of the pyramid's levels relative to level 0.
+/// Sizes of the pyramid's levels relative to level 0, and what a pixel of level 0 is as an angle (rad).
 class OctaveScales {
  public:
-  OctaveScales(double scale_factor, int levels);
+  OctaveScales(double scale_factor, int levels, double pixel_angle);
 
   double operator[](int octave) const { return scales_[static_cast<std::size_t>(octave)]; }
   int levels() const { return static_cast<int>(scales_.size()); }
   double factor() const { return factor_; }
+  /// Standard deviation of the direction to a feature of the octave, rad.
+  double angle(int octave) const { return pixel_angle_ * (*this)[octave]; }
   /// The octave on which something seen up to `max_distance` on the finest is seen at `distance`.
   int predict(double max_distance, double distance) const;
 
  private:
   double factor_;
   double log_factor_;
+  double pixel_angle_;
   std::vector<double> scales_;
 };
 

@@ -1,5 +1,6 @@
 #include "map/map.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -16,6 +17,7 @@ namespace {
 
 /// Points in common that make two keyframes neighbours.
 constexpr int kMinShared = 15;
+constexpr double kMostUncertain = 10.0;  // of a point's distance
 
 }  // namespace
 
@@ -231,18 +233,30 @@ std::optional<std::uint32_t> Map::featureOf(PointId point, KeyframeId keyframe) 
 void Map::refreshPoint(PointId id, const OctaveScales& scales) {
   MapPoint& p = editPoint(id);
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  double nearest = std::numeric_limits<double>::infinity();
   std::vector<const orb::Descriptor*> descriptors;
   for (const Observation& o : p.observations) {
     const Keyframe& k = *keyframe(o.keyframe);
-    normal += (p.p_mono_point - k.p_mono_camera()).normalized();
+    const Eigen::Vector3d ray = p.p_mono_point - k.p_mono_camera();
+    const double distance = ray.norm();
+    const Eigen::Vector3d direction = ray / distance;
+    normal += direction;
+    nearest = std::min(nearest, distance);
+    const double sigma = distance * scales.angle(k.frame->features.octave[o.feature]);
+    information += (Eigen::Matrix3d::Identity() - direction * direction.transpose()) / (sigma * sigma);
     descriptors.push_back(&k.frame->features.descriptors[o.feature]);
     if (o.keyframe == p.reference) {
-      const double distance = (p.p_mono_point - k.p_mono_camera()).norm();
       p.max_distance = distance * scales[k.frame->features.octave[o.feature]];
       p.min_distance = p.max_distance / scales[scales.levels() - 1];
     }
   }
   p.normal = normal.normalized();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  axes.computeDirect(information);
+  const double most = kMostUncertain * nearest;
+  p.uncertainty =
+      axes.eigenvectors().col(0) / std::sqrt(std::max(axes.eigenvalues()[0], 1.0 / (most * most)));
   // The descriptor with the least median distance to the others; of many, the newest stand for all.
   constexpr std::size_t kMost = 12;
   if (descriptors.size() > kMost) {
@@ -372,6 +386,7 @@ void Map::transform(int map_id, const Sim3& S_new_old, int new_map_id) {
       MapPoint& p = editPoint(id);
       p.p_mono_point = S_new_old * p.p_mono_point;
       p.normal = S_new_old.rotation * p.normal;
+      p.uncertainty = S_new_old.scale * (S_new_old.rotation * p.uncertainty);
       p.min_distance *= S_new_old.scale;
       p.max_distance *= S_new_old.scale;
       p.map_id = new_map_id;

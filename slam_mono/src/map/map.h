@@ -31,6 +31,9 @@ struct Observation {
 struct MapPoint {
   int map_id = 0;
   Eigen::Vector3d p_mono_point = Eigen::Vector3d::Zero();
+  /// One standard deviation of p_mono_point along its least certain direction (nearly the line of sight), at
+  /// a pixel of noise and with the keyframes' poses taken as exact; at most ten times its distance.
+  Eigen::Vector3d uncertainty = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< mean direction from the cameras to it, unit length
   double min_distance = 0.0;  ///< at which the descriptor's pyramid levels still see it
   double max_distance = 0.0;
@@ -106,7 +109,7 @@ class Map {
   /// Index of `keyframe` among the point's observations; empty when it does not see it.
   std::optional<std::uint32_t> featureOf(PointId point, KeyframeId keyframe) const;
 
-  /// Descriptor, mean direction and distance limits from the observations.
+  /// Uncertainty, descriptor, mean direction and distance limits from the observations.
   void refreshPoint(PointId id, const OctaveScales& scales);
   /// Who shares points with the keyframe, on both sides; gives it a parent when it has none.
   void refreshCovisibility(KeyframeId id);

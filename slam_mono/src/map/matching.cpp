@@ -217,7 +217,8 @@ std::vector<PointObservation> observationsOf(const Map& map, const Frame& frame,
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const MapPoint* point = points[i] == kNoPoint ? nullptr : map.point(points[i]);
     if (point != nullptr) {
-      observations.push_back({point->p_mono_point, frame.pixel(i), scales[frame.features.octave[i]]});
+      observations.push_back(
+          {point->p_mono_point, frame.pixel(i), scales[frame.features.octave[i]], point->uncertainty});
       features.push_back(i);
     }
   }

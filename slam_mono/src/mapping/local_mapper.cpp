@@ -18,8 +18,8 @@ constexpr BundleEffort kStartEffort{30, 1e-6};
 constexpr std::size_t kMinStartPoints = 40;
 constexpr std::size_t kTinyMap = 5;      // keyframes
 constexpr double kMinFoundShare = 0.25;  // of the frames that should see a point
-constexpr double kMinParallax = 0.01;    // rad, of two views that make a point
 constexpr double kMinBaseline = 0.005;   // of the median distance, of two keyframes that make points
+constexpr double kFarthest = 100.0;      // median distances, of a new point
 constexpr KeyframeId kKeptNewest = 5;    // keyframes that are not culled: the tracker leans on them
 constexpr KeyframeId kLocal = 20;        // keyframes, of which local mapping needs every one
 
@@ -31,6 +31,9 @@ LocalMapper::LocalMapper(const Camera& camera, const OctaveScales& scales, const
 void LocalMapper::replaceMap(Map map) {
   map_ = std::move(map);
   recent_.clear();
+  for (const PointId id : map_.points()) {
+    map_.refreshPoint(id, scales_);  // A file doesn't hold how certain they are.
+  }
 }
 
 std::optional<KeyframeId> LocalMapper::start(const NewMap& request) {
@@ -157,12 +160,12 @@ void LocalMapper::triangulate(KeyframeId newest) {
     const double baseline =
         (map_.keyframe(newest)->p_mono_camera() - map_.keyframe(other)->p_mono_camera()).norm();
     if (baseline > kMinBaseline * distance) {
-      triangulateWith(newest, other);
+      triangulateWith(newest, other, kFarthest * distance);
     }
   }
 }
 
-void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
+void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other, double farthest) {
   const Keyframe& a = *map_.keyframe(newest);
   const Keyframe& b = *map_.keyframe(other);
   const common::Pose3 T_b_a = b.T_camera_mono * a.T_camera_mono.inverse();
@@ -244,19 +247,20 @@ void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other) {
     const std::uint32_t j = features_b[claimed[k]];
     const Keyframe& now_a = *map_.keyframe(newest);
     const Keyframe& now_b = *map_.keyframe(other);
-    const auto p_a = slam_mono::triangulate(T_b_a, now_a.frame->bearings[i], now_b.frame->bearings[j]);
-    if (!p_a) {
-      continue;
+    // No parallax is too small, or noise would choose the points that it brings nearer, and with them the
+    // scale would shrink in every turn. What meets behind or nowhere is as far as anything, if both pixels
+    // allow that.
+    auto p_a = slam_mono::triangulate(T_b_a, now_a.frame->bearings[i], now_b.frame->bearings[j]);
+    if (!p_a || p_a->norm() > farthest) {
+      p_a = farthest * now_a.frame->bearings[i];
     }
     const Eigen::Vector3d p_b = T_b_a * *p_a;
-    const double parallax =
-        std::acos(std::clamp(p_b.normalized().dot((p_b - T_b_a.translation()).normalized()), -1.0, 1.0));
     const auto fits = [&](const Frame& frame, const Eigen::Vector3d& p, std::uint32_t feature) {
       const double sigma = scales_[frame.features.octave[feature]];
       const auto pixel = camera_.project(p);
       return pixel && (*pixel - frame.pixel(feature)).squaredNorm() < kChi2Two * sigma * sigma;
     };
-    if (parallax < kMinParallax || !fits(*now_a.frame, *p_a, i) || !fits(*now_b.frame, p_b, j)) {
+    if (!fits(*now_a.frame, *p_a, i) || !fits(*now_b.frame, p_b, j)) {
       continue;
     }
     // Distances and octaves have to tell the same story.

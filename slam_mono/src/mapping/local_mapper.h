@@ -35,7 +35,7 @@ class LocalMapper {
   void countStatistics(const PointStatistics& statistics);
   void cullPoints(KeyframeId newest);
   void triangulate(KeyframeId newest);
-  void triangulateWith(KeyframeId newest, KeyframeId other);
+  void triangulateWith(KeyframeId newest, KeyframeId other, double farthest);
   void fuseNeighbours(KeyframeId newest);
   void adjust(KeyframeId newest);
   /// Erases neighbours of `newest` that others can stand for: by their points, or, when they are no longer

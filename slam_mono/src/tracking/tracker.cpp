@@ -15,6 +15,7 @@ constexpr int kMinMotionInliers = 10;  // after the last frame's points; the loc
 constexpr double kWiden = 2.0;
 constexpr int kMaxLocalAge = 5;  // frames for which the local points are kept
 constexpr std::size_t kMostLocalKeyframes = 60;
+constexpr double kFirm = 0.2;             // of its distance, a point's uncertainty that tells a translation
 constexpr std::size_t kMinFeatures = 50;  // in a picture that shows anything
 constexpr double kWideRadius = 3.0;       // factor of the local search right after a relocalisation
 constexpr double kYoungMap = 10.0;        // s for which a new map looks for an older one at every frame
@@ -355,13 +356,18 @@ bool Tracker::needsKeyframe(const Frame& frame, const Map& map, bool mapper_free
   }
   const Keyframe& reference = *map.keyframe(local_reference_);
   const std::size_t enough = map.keyframeCount(reference.map_id) <= 2 ? 2 : 3;
-  const auto known = std::count_if(reference.points.begin(), reference.points.end(), [&](PointId id) {
-    return id != kNoPoint && map.point(id)->observations.size() >= enough;
-  });
+  // Those that tell the translation, of the points of a view.
+  const auto firm = [&](const PointMatches& points, const common::Pose3& T_camera_mono) {
+    return static_cast<double>(std::count_if(points.begin(), points.end(), [&](PointId id) {
+      const MapPoint* p = id == kNoPoint ? nullptr : map.point(id);
+      return p != nullptr && p->observations.size() >= enough &&
+             p->uncertainty.norm() < kFirm * (T_camera_mono * p->p_mono_point).norm();
+    }));
+  };
   const double share = since > config_.tracking.max_keyframe_interval
                            ? 1.0 - 0.5 * (1.0 - config_.tracking.keyframe_share)
                            : config_.tracking.keyframe_share;
-  return inliers_ < share * static_cast<double>(known);
+  return firm(last_->points, last_->T_camera_mono) < share * firm(reference.points, reference.T_camera_mono);
 }
 
 MapRequest Tracker::requestKeyframe() {
