@@ -79,6 +79,12 @@ TEST_F(MapTest, UncertaintyEndsWhereNothingIsKnownOfTheDistance) {
   EXPECT_NEAR(map_.point(0)->uncertainty.norm(), 20.0, 1e-6);
 }
 
+TEST_F(MapTest, UncertaintyOfAPointInACameraIsFinite) {
+  map_.editPoint(0).p_mono_point = map_.keyframe(1)->p_mono_camera();
+  map_.refreshPoint(0, kScales);
+  EXPECT_TRUE(map_.point(0)->uncertainty.allFinite());
+}
+
 TEST_F(MapTest, SnapshotsDontSeeLaterEdits) {
   const auto snapshot = map_.snapshot();
   map_.edit(1).T_camera_mono.translation().x() = 7.0;

@@ -18,6 +18,7 @@ namespace {
 /// Points in common that make two keyframes neighbours.
 constexpr int kMinShared = 15;
 constexpr double kMostUncertain = 10.0;  // of a point's distance
+constexpr double kNearest = 1e-9;        // of a camera to a point: a damaged file may put it there
 
 }  // namespace
 
@@ -239,7 +240,7 @@ void Map::refreshPoint(PointId id, const OctaveScales& scales) {
   for (const Observation& o : p.observations) {
     const Keyframe& k = *keyframe(o.keyframe);
     const Eigen::Vector3d ray = p.p_mono_point - k.p_mono_camera();
-    const double distance = ray.norm();
+    const double distance = std::max(ray.norm(), kNearest);
     const Eigen::Vector3d direction = ray / distance;
     normal += direction;
     nearest = std::min(nearest, distance);
