@@ -210,7 +210,7 @@ void LocalMapper::triangulateWith(KeyframeId newest, KeyframeId other, double fa
     candidate_index.clear();
     for (std::size_t j = 0; j < features_b.size(); ++j) {
       const int octave_b = b.frame->features.octave[features_b[j]];
-      const double limit = 2.0 * camera_.pixelAngle() * scales_[octave_b];
+      const double limit = 2.0 * scales_.angle(octave_b);
       if (static_cast<double>(std::abs(off_plane[static_cast<Eigen::Index>(j)])) < limit &&
           std::abs(octave_a - octave_b) <= 3) {
         candidates.push_back(features_b[j]);
