@@ -172,6 +172,7 @@ TEST_F(SmallMapTest, NamesWhatIsWrong) {
   EXPECT_THAT(point([](MapPoint& p) { p.map_id = 2; }),
               HasSubstr("point 5: seen by a keyframe of another map"));
   EXPECT_THAT(point([&](MapPoint& p) { p.p_mono_point.x() = nan; }), HasSubstr("not finite"));
+  EXPECT_THAT(point([&](MapPoint& p) { p.uncertainty.y() = nan; }), HasSubstr("not finite"));
   EXPECT_THAT(point([&](MapPoint& p) { p.normal.z() = nan; }), HasSubstr("not finite"));
   EXPECT_THAT(point([](MapPoint& p) { p.max_distance = 0.5 * p.min_distance; }), HasSubstr("distances"));
   EXPECT_THAT(point([](MapPoint& p) { p.reference = 4; }), HasSubstr("reference"));

@@ -56,6 +56,7 @@ void putPoint(ByteWriter& out, PointId id, const MapPoint& point) {
   out.put(id);
   out.put(point.map_id);
   putVector(out, point.p_mono_point);
+  putVector(out, point.uncertainty);
   putVector(out, point.normal);
   out.put(point.min_distance);
   out.put(point.max_distance);

@@ -10,7 +10,7 @@
 namespace rubble::slam_mono {
 
 /// First in the bytes; the last character is the version.
-inline constexpr common::Magic kMapMagic = {'R', 'B', 'L', 'M', 'O', 'N', 'O', '1'};
+inline constexpr common::Magic kMapMagic = {'R', 'B', 'L', 'M', 'O', 'N', 'O', '2'};
 
 /// The whole map as bytes, with a version and a checksum. Ids stay, also those of what was erased.
 std::vector<std::uint8_t> serialiseMap(const Map& map);

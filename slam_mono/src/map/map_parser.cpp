@@ -132,10 +132,12 @@ void MapParser::getPoint() {
   MapPoint p;
   p.map_id = in_.get<int>();
   p.p_mono_point = getVector(in_);
+  p.uncertainty = getVector(in_);
   p.normal = getVector(in_);
   p.min_distance = in_.get<double>();
   p.max_distance = in_.get<double>();
-  require(p.p_mono_point.allFinite() && p.normal.allFinite(), "position or normal not finite");
+  require(p.p_mono_point.allFinite() && p.uncertainty.allFinite() && p.normal.allFinite(),
+          "position, uncertainty or normal not finite");
   require(p.min_distance >= 0.0 && p.max_distance >= p.min_distance && std::isfinite(p.max_distance),
           "impossible distances");
   p.descriptor = in_.get<orb::Descriptor>();

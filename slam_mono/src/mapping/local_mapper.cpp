@@ -31,9 +31,6 @@ LocalMapper::LocalMapper(const Camera& camera, const OctaveScales& scales, const
 void LocalMapper::replaceMap(Map map) {
   map_ = std::move(map);
   recent_.clear();
-  for (const PointId id : map_.points()) {
-    map_.refreshPoint(id, scales_);  // A file doesn't hold how certain they are.
-  }
 }
 
 std::optional<KeyframeId> LocalMapper::start(const NewMap& request) {
