@@ -41,9 +41,17 @@ struct Turn {
 
 /// The pose next to a time, none when it is not of that moment.
 const StampedPose* poseAt(const Trajectory& trajectory, Utime utime) {
-  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), utime - kSame,
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), utime,
                                       [](const StampedPose& pose, Utime t) { return pose.utime < t; });
-  return after != trajectory.end() && after->utime <= utime + kSame ? &*after : nullptr;
+  const StampedPose* nearest = nullptr;
+  for (auto pose = after - (after != trajectory.begin() ? 1 : 0); pose != trajectory.end() && pose <= after;
+       ++pose) {
+    if (std::abs(pose->utime - utime) <=
+        (nearest == nullptr ? kSame : std::abs(nearest->utime - utime) - 1)) {
+      nearest = &*pose;
+    }
+  }
+  return nearest;
 }
 
 double angleBetween(const StampedPose& a, const StampedPose& b) {
@@ -80,7 +88,8 @@ std::vector<Turn> turnsOf(const Trajectory& truth) {
 }
 
 /// Estimated over true length of all chords between two times; none without enough way.
-std::optional<double> scaleBetween(const Trajectory& estimate, const Trajectory& truth, Utime from, Utime to) {
+std::optional<double> scaleBetween(const Trajectory& estimate, const Trajectory& truth, Utime from,
+                                   Utime to) {
   double estimated = 0.0;
   double way = 0.0;
   for (Utime t = from; t + kChord <= to; t += kChord / 5) {
@@ -141,9 +150,10 @@ void measure(const std::vector<std::string>& files) {
   std::vector<double> sizes(growths.size());
   std::transform(growths.begin(), growths.end(), sizes.begin(), [](double g) { return std::abs(g); });
   const auto percent = [](double logarithm) { return 100.0 * std::expm1(logarithm); };
-  fmt::print("\n{} of {} turns: mean {:+.1f} %; off by median {:.1f}, 75 % {:.1f}, 90 % {:.1f}, worst {:.1f} %\n",
-             growths.size(), count, percent(mean), percent(quantile(sizes, 0.5)),
-             percent(quantile(sizes, 0.75)), percent(quantile(sizes, 0.9)), percent(quantile(sizes, 1.0)));
+  fmt::print(
+      "\n{} of {} turns: mean {:+.1f} %; off by median {:.1f}, 75 % {:.1f}, 90 % {:.1f}, worst {:.1f} %\n",
+      growths.size(), count, percent(mean), percent(quantile(sizes, 0.5)), percent(quantile(sizes, 0.75)),
+      percent(quantile(sizes, 0.9)), percent(quantile(sizes, 1.0)));
 }
 
 }  // namespace

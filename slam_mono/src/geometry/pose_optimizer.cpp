@@ -20,6 +20,9 @@ constexpr int kMinInliers = 3;
 // outside the picture.
 constexpr double kUnseenError = 1e5;
 constexpr double kLeastBlur = 1e-3;  // sigma, of a point's uncertainty in the picture
+// A point's uncertainty takes the keyframes' poses as exact. What these are off, the points of a view have in
+// common: no number of them averages it out.
+constexpr double kInCommon = 5.0;
 
 double squaredError(const Camera& camera, const PointObservation& observation, const common::Pose3& T) {
   const auto pixel = camera.project(T * observation.p_mono_point);
@@ -35,7 +38,7 @@ Eigen::Matrix2d whitening(const Camera& camera, const PointObservation& observat
   if (!camera.project(p)) {
     return W;  // It is not looked at from there.
   }
-  const Eigen::Vector2d blur = camera.projectJacobian(p) * (T.linear() * observation.uncertainty);
+  const Eigen::Vector2d blur = kInCommon * camera.projectJacobian(p) * (T.linear() * observation.uncertainty);
   const double length = blur.norm();
   if (length > kLeastBlur * observation.sigma) {
     const Eigen::Vector2d line = blur / length;

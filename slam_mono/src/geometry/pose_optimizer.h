@@ -32,9 +32,9 @@ struct PoseOptimum {
 
 /// Camera pose from 2D-3D observations: Levenberg-Marquardt on the Huber-weighted reprojection error,
 /// outliers set aside and tried again between four rounds (ORB-SLAM section V-B's pose optimisation). A point
-/// counts less along the line on which its uncertainty shows in the picture, but is an inlier only if the
-/// feature's own noise explains its error. With fewer than three inliers the pose is returned as far as it
-/// came, with an infinite covariance.
+/// counts less along the line on which its uncertainty (five times that: see kInCommon) shows in the picture,
+/// but is an inlier only if the feature's own noise explains its error. With fewer than three inliers the
+/// pose is returned as far as it came, with an infinite covariance.
 PoseOptimum optimizePose(const Camera& camera, const common::Pose3& T_camera_mono_start,
                          std::span<const PointObservation> observations);
 
