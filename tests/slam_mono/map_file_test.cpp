@@ -208,7 +208,7 @@ TEST_F(SmallMapTest, TruncatedOrDamagedBytesAreRefused) {
   longer.push_back(0);
   EXPECT_THAT(parseError(withRightChecksum(longer)), HasSubstr("more than belongs"));
   auto newer = bytes;
-  newer[7] = '2';
+  newer[7] = static_cast<std::uint8_t>(kMapMagic[7] + 1);
   EXPECT_THAT(parseError(newer), HasSubstr("version"));
 }
 
