@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -41,17 +42,13 @@ struct Turn {
 
 /// The pose next to a time, none when it is not of that moment.
 const StampedPose* poseAt(const Trajectory& trajectory, Utime utime) {
-  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), utime,
-                                      [](const StampedPose& pose, Utime t) { return pose.utime < t; });
-  const StampedPose* nearest = nullptr;
-  for (auto pose = after - (after != trajectory.begin() ? 1 : 0); pose != trajectory.end() && pose <= after;
-       ++pose) {
-    if (std::abs(pose->utime - utime) <=
-        (nearest == nullptr ? kSame : std::abs(nearest->utime - utime) - 1)) {
-      nearest = &*pose;
-    }
+  auto pose = std::lower_bound(trajectory.begin(), trajectory.end(), utime,
+                               [](const StampedPose& p, Utime t) { return p.utime < t; });
+  if (pose != trajectory.begin() &&
+      (pose == trajectory.end() || utime - std::prev(pose)->utime <= pose->utime - utime)) {
+    --pose;
   }
-  return nearest;
+  return pose != trajectory.end() && std::abs(pose->utime - utime) <= kSame ? &*pose : nullptr;
 }
 
 double angleBetween(const StampedPose& a, const StampedPose& b) {
