@@ -192,6 +192,7 @@ int main(int argc, char** argv) {
   int turn_features = 400;
   int trials = 100;
   bool poor = false;
+  bool exact_lens = false;
   auto* loops =
       app.add_subcommand("loops", "Once and a quarter around a ring, with and without loop closing");
   loops->add_option("--seeds", loop_seeds, "Missions")->capture_default_str();
@@ -207,6 +208,7 @@ int main(int argc, char** argv) {
   recovery->add_option("--trials", trials, "Disturbances, four in a mission")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  recovery->add_flag("--exact-lens", exact_lens, "The lens is as calibrated, so nothing drifts");
   for (auto* command : {loops, look_alike}) {
     command->add_flag("--poor", poor, "Fewer and noisier features");
   }
@@ -225,7 +227,7 @@ int main(int argc, char** argv) {
     } else if (*second) {
       measureSecondMissions(rangeOf(second_seeds));
     } else {
-      measureRecovery(trials);
+      measureRecovery(trials, exact_lens);
     }
   } catch (const rubble::common::Error& e) {
     fmt::print(stderr, "mono_trials: {}\n", e.what());

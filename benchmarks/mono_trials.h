@@ -27,7 +27,7 @@ void measureTurns(const SeedRange& seeds, const ViewConfig& view);
 /// How soon another mission finds itself in a saved map, as a table on stdout.
 void measureSecondMissions(const SeedRange& seeds);
 
-/// How fast the camera finds itself again, as a table on stdout.
-void measureRecovery(int trials);
+/// How fast the camera finds itself again, as a table on stdout. With an exact lens nothing drifts.
+void measureRecovery(int trials, bool exact_lens);
 
 }  // namespace rubble::slam_mono

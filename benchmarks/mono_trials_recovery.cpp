@@ -28,7 +28,7 @@ struct Trial {
 /// One mission in a room: some of it is mapped, then the disturbances come in some order.
 class RecoveryMission {
  public:
-  explicit RecoveryMission(std::uint64_t seed)
+  RecoveryMission(std::uint64_t seed, const Camera& lens)
       : seed_(seed),
         dice_(1000 + seed),
         scene_(makeRoom(seed)),
@@ -36,7 +36,7 @@ class RecoveryMission {
         outer_(insetBy(1.04), true, 0.8),
         path_(&outer_),
         route_(path_->at(0.0), kTrialRate, seed),
-        mission_(scene_.world, worldLens(seed), arenaCamera(), MonoSlamConfig{}, seed) {}
+        mission_(scene_.world, lens, arenaCamera(), MonoSlamConfig{}, seed) {}
 
   std::vector<Trial> run() {
     drive(dice_.uniform(0.6, 1.1) * path_->length());
@@ -175,11 +175,11 @@ void printRow(const char* name, std::span<const Trial> trials, std::optional<Dis
 
 }  // namespace
 
-void measureRecovery(int trials) {
+void measureRecovery(int trials, bool exact_lens) {
   std::vector<Trial> all;
   std::vector<double> errors;
   for (std::uint64_t seed = 1; all.size() < static_cast<std::size_t>(trials); ++seed) {
-    RecoveryMission mission(seed);
+    RecoveryMission mission(seed, exact_lens ? arenaCamera() : worldLens(seed));
     const auto of_mission = mission.run();
     all.insert(all.end(), of_mission.begin(), of_mission.end());
     errors.push_back(mission.largestError());

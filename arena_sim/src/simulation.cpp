@@ -67,7 +67,7 @@ Simulation::Simulation(const World& world, const Motion& motion, const ArenaSimC
     camera_.emplace(config.camera, robot.intrinsics, scene_, tracer_, seed);
     const double rate = robot.intrinsics.rate;
     const double delay = 0.5 * (config.camera.exposure + config.camera.readout) + kPictureProcessing;
-    add(1.0, 0.0, 0.0, &Simulation::reportCameraInfo);
+    add(5.0, 0.0, 0.0, &Simulation::reportCameraInfo);
     add(rate, 0.5 / rate, delay, &Simulation::reportPicture);
   }
 }

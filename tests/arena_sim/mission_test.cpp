@@ -96,7 +96,7 @@ TEST_F(MissionTest, ChannelsComeAtTheirRatesWithTruthForEachReport) {
   EXPECT_NEAR(count("SCAN"), 20.0 * seconds, 1.5);
   EXPECT_NEAR(count("ODOMETRY"), 50.0 * seconds, 1.5);
   EXPECT_NEAR(count("CAMERA"), 3.0 * seconds, 1.5);
-  EXPECT_NEAR(count("CAMERA_INFO"), seconds, 1.5);
+  EXPECT_NEAR(count("CAMERA_INFO"), 5.0 * seconds, 1.5);
   EXPECT_EQ(count("GROUND_TRUTH"), 2 * (count("SCAN") + count("CAMERA")));
   for (const auto& [channel, events] : channels) {
     const lcm_io::ChannelInfo* info = lcm_io::findChannel(channel);

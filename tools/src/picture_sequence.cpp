@@ -23,6 +23,7 @@ namespace {
 
 constexpr const char* kPinhole = "pinhole";
 constexpr const char* kFisheye = "fisheye";
+constexpr common::Utime kInfoInterval = 200'000;
 
 class SequenceWriter {
  public:
@@ -43,7 +44,7 @@ class SequenceWriter {
     if (picture.utime >= next_info_utime_) {
       camera_.utime = picture.utime;
       log_.write(picture.utime, lcm_io::channel::kCameraInfo, camera_);
-      next_info_utime_ = picture.utime + common::kMicrosecondsPerSecond;
+      next_info_utime_ = picture.utime + kInfoInterval;
     }
     log_.write(picture.utime, lcm_io::channel::kCamera, image);
   }

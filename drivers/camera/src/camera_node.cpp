@@ -10,8 +10,8 @@ namespace rubble::camera {
 
 namespace {
 
-/// A little shorter than promised: it goes out with a picture.
-constexpr common::Utime kInfoInterval = 900'000;
+/// A little shorter than the promised 5 Hz: it goes out with a picture.
+constexpr common::Utime kInfoInterval = 180'000;
 
 rubble::camera_info_t infoOf(const common::RobotConfig::Intrinsics& lens) {
   rubble::camera_info_t info;

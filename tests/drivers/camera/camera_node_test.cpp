@@ -51,7 +51,7 @@ TEST_F(CameraNodeTest, PublishesPicturesAndTheCalibrationWithThem) {
   node_ = std::make_unique<CameraNode>(hub_.endpoint(), std::move(camera_), smallSetup());
   ASSERT_TRUE(hear(3));
   EXPECT_EQ(pictures_.back().data, content);
-  ASSERT_EQ(infos_.size(), 1U) << "once a second";
+  ASSERT_EQ(infos_.size(), 1U) << "five a second";
   EXPECT_EQ(infos_[0].utime, 5'000'000);
   EXPECT_EQ(infos_[0].width, kWidth);
   EXPECT_EQ(infos_[0].rate_hz, 25.0);
