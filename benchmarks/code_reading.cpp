@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "common/statistics.h"
 #include "expected_codes.h"
 #include "recognizer/code_reader.h"
 
@@ -38,13 +39,6 @@ std::vector<ExpectedCode> picturesOf(const std::filesystem::path& folder) {
   std::sort(pictures.begin(), pictures.end(),
             [](const ExpectedCode& a, const ExpectedCode& b) { return a.picture < b.picture; });
   return pictures;
-}
-
-double quantile(std::vector<double> values, double share) {
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
 }
 
 /// Mean distance of the corners, pixels.
@@ -80,13 +74,13 @@ void measure(const char* name, const CodeConfig& config, const std::vector<Expec
     right += is_right ? 1 : 0;
   }
   fmt::print("{}: {} pictures, CPU ms median {:.2f}, 95 % {:.2f}\n", name, pictures.size(),
-             quantile(costs_ms, 0.5), quantile(costs_ms, 0.95));
+             common::quantileOf(costs_ms, 0.5), common::quantileOf(costs_ms, 0.95));
   if (readable > 0) {
     fmt::print("  right: {} of {} ({:.3f})\n", right, readable, static_cast<double>(right) / readable);
   }
   if (!errors.empty()) {
-    fmt::print("  corners: pixels median {:.2f}, 95 % {:.2f}\n", quantile(errors, 0.5),
-               quantile(errors, 0.95));
+    fmt::print("  corners: pixels median {:.2f}, 95 % {:.2f}\n", common::quantileOf(errors, 0.5),
+               common::quantileOf(errors, 0.95));
   }
   for (const auto& [text, times] : others) {
     fmt::print("  also read, {} times: `{}`\n", times, text);

@@ -15,17 +15,9 @@
 #include <vector>
 
 #include "common/error.h"
+#include "common/statistics.h"
 
 namespace rubble::slam_mono {
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
 
 Camera worldLens(std::uint64_t seed) {
   // As wrong as a careful calibration with a chessboard leaves it.
@@ -109,7 +101,7 @@ Outcome drive(const SyntheticScene& scene, double laps, const ViewConfig& view, 
   outcome.reported_ate = rootMeanSquare(errors);
   outcome.ate = rootMeanSquare(keyframePositions(*mission.map(), frames).errors());
   outcome.mean_cost = std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(costs.size());
-  outcome.worst_cost = quantile(costs, 1.0);
+  outcome.worst_cost = common::quantileOf(costs, 1.0);
   outcome.loops = loopDistances(*mission.map(), frames);
   return outcome;
 }
@@ -138,7 +130,7 @@ void measureLoops(const SeedRange& seeds, const ViewConfig& view) {
     std::fflush(stdout);
   }
   fmt::print("\n{} of {} closed; ratio median {:.2f}, worst {:.2f}\n", closed, ratios.size(),
-             quantile(ratios, 0.5), quantile(ratios, 0.0));
+             common::quantileOf(ratios, 0.5), common::quantileOf(ratios, 0.0));
 }
 
 void measureLookAlike(const SeedRange& seeds, const ViewConfig& view) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "synthetic_mission.h"
 #include "synthetic_scenes.h"
@@ -14,9 +13,6 @@ struct SeedRange {
   std::uint64_t first = 1;
   std::uint64_t last = 1;
 };
-
-/// The value that this share of the others does not exceed; 0 of none.
-double quantile(std::vector<double> values, double share);
 
 /// What takes the pictures, while SLAM believes in arenaCamera().
 Camera worldLens(std::uint64_t seed);

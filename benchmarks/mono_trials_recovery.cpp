@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "common/statistics.h"
 #include "mono_trials.h"
 
 namespace rubble::slam_mono {
@@ -169,8 +170,8 @@ void printRow(const char* name, std::span<const Trial> trials, std::optional<Dis
     }
   }
   fmt::print("| {} | {} | {} | {:.0f} | {:.0f} | {} | {} | {:.1f} | {:.1f} |\n", name, count, quick,
-             quantile(frames, 0.5), largest(frames), count - static_cast<int>(frames.size()), costs.size(),
-             1e3 * quantile(costs, 0.5), 1e3 * quantile(costs, 0.95));
+             common::quantileOf(frames, 0.5), largest(frames), count - static_cast<int>(frames.size()),
+             costs.size(), 1e3 * common::quantileOf(costs, 0.5), 1e3 * common::quantileOf(costs, 0.95));
 }
 
 }  // namespace

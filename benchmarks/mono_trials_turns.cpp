@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "common/statistics.h"
 #include "mono_trials.h"
 
 namespace rubble::slam_mono {
@@ -108,8 +109,8 @@ void measureTurns(const SeedRange& seeds, const ViewConfig& view) {
     std::fflush(stdout);
   }
   fmt::print("\n{} of {} keep the map; scale off by median {:.1f} %, worst {:.1f} %\n", drifts.size(),
-             seeds.last - seeds.first + 1, 100.0 * std::expm1(quantile(drifts, 0.5)),
-             100.0 * std::expm1(quantile(drifts, 1.0)));
+             seeds.last - seeds.first + 1, 100.0 * std::expm1(common::quantileOf(drifts, 0.5)),
+             100.0 * std::expm1(common::quantileOf(drifts, 1.0)));
 }
 
 }  // namespace rubble::slam_mono

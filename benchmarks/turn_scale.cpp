@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "common/statistics.h"
 #include "common/trajectory.h"
 
 namespace rubble {
@@ -40,15 +41,8 @@ struct Turn {
   double angle = 0.0;
 };
 
-/// The pose next to a time, none when it is not of that moment.
 const StampedPose* poseAt(const Trajectory& trajectory, Utime utime) {
-  auto pose = std::lower_bound(trajectory.begin(), trajectory.end(), utime,
-                               [](const StampedPose& p, Utime t) { return p.utime < t; });
-  if (pose != trajectory.begin() &&
-      (pose == trajectory.end() || utime - std::prev(pose)->utime <= pose->utime - utime)) {
-    --pose;
-  }
-  return pose != trajectory.end() && std::abs(pose->utime - utime) <= kSame ? &*pose : nullptr;
+  return common::nearestPose(trajectory, utime, kSame);
 }
 
 double angleBetween(const StampedPose& a, const StampedPose& b) {
@@ -111,11 +105,6 @@ double shareBetween(const Trajectory& estimate, const Trajectory& truth, Utime f
   return count(estimate) / std::max(1.0, count(truth));
 }
 
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
 void measure(const std::vector<std::string>& files) {
   std::vector<double> growths;  // logarithms
   std::size_t count = 0;
@@ -149,8 +138,9 @@ void measure(const std::vector<std::string>& files) {
   const auto percent = [](double logarithm) { return 100.0 * std::expm1(logarithm); };
   fmt::print(
       "\n{} of {} turns: mean {:+.1f} %; off by median {:.1f}, 75 % {:.1f}, 90 % {:.1f}, worst {:.1f} %\n",
-      growths.size(), count, percent(mean), percent(quantile(sizes, 0.5)), percent(quantile(sizes, 0.75)),
-      percent(quantile(sizes, 0.9)), percent(quantile(sizes, 1.0)));
+      growths.size(), count, percent(mean), percent(common::quantileOf(sizes, 0.5)),
+      percent(common::quantileOf(sizes, 0.75)), percent(common::quantileOf(sizes, 0.9)),
+      percent(common::quantileOf(sizes, 1.0)));
 }
 
 }  // namespace

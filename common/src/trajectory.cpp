@@ -42,6 +42,17 @@ StampedPose parseTumLine(const std::string& line, const std::filesystem::path& p
 
 }  // namespace
 
+const StampedPose* nearestPose(const Trajectory& trajectory, Utime utime, Utime max_difference) {
+  auto nearest = std::lower_bound(trajectory.begin(), trajectory.end(), utime,
+                                  [](const StampedPose& pose, Utime t) { return pose.utime < t; });
+  if (nearest != trajectory.begin() &&
+      (nearest == trajectory.end() || utime - std::prev(nearest)->utime < nearest->utime - utime)) {
+    --nearest;
+  }
+  return nearest != trajectory.end() && std::abs(nearest->utime - utime) <= max_difference ? &*nearest
+                                                                                           : nullptr;
+}
+
 Trajectory readTum(const std::filesystem::path& path) {
   const std::vector<std::uint8_t> bytes = readFile(path);
   std::istringstream stream(std::string(bytes.begin(), bytes.end()));

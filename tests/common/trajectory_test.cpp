@@ -81,5 +81,23 @@ TEST_F(TumTest, WhatIsNoFileIsAnError) {
   EXPECT_THAT(errorOf([&] { readTum(dir_.path()); }), testing::HasSubstr("cannot be read (Is a directory)"));
 }
 
+TEST(NearestPose, IsOnEitherSideOrTooFar) {
+  const Trajectory trajectory{{100, Pose3::Identity()}, {200, Pose3::Identity()}};
+  const auto stamp = [&](Utime utime, Utime max_difference) {
+    const StampedPose* pose = nearestPose(trajectory, utime, max_difference);
+    return pose == nullptr ? -1 : pose->utime;
+  };
+  EXPECT_EQ(stamp(149, 50), 100);
+  EXPECT_EQ(stamp(151, 50), 200);
+  EXPECT_EQ(stamp(100, 0), 100);
+  EXPECT_EQ(stamp(200, 0), 200);
+  EXPECT_EQ(stamp(90, 10), 100);
+  EXPECT_EQ(stamp(210, 10), 200);
+  EXPECT_EQ(stamp(89, 10), -1);
+  EXPECT_EQ(stamp(211, 10), -1);
+  EXPECT_EQ(stamp(150, 49), -1);
+  EXPECT_EQ(nearestPose({}, 0, 1000), nullptr);
+}
+
 }  // namespace
 }  // namespace rubble::common

@@ -5,7 +5,7 @@
 
 #include "calibration/extrinsics.h"
 #include "calibration/recording.h"
-#include "statistics.h"
+#include "common/statistics.h"
 #include "support/recordings.h"
 
 namespace rubble::calibration {
@@ -28,7 +28,7 @@ TEST(CalibrationRecordingTest, LaserCameraIsWithinACentimetreOnPairsLeftOut) {
         distances.push_back(std::abs(distance));
       }
     }
-    EXPECT_LE(tools::statisticsOf(distances).median, paper == Paper::kAll ? 0.010 : 0.007);
+    EXPECT_LE(common::statisticsOf(distances).median, paper == Paper::kAll ? 0.010 : 0.007);
   }
 }
 

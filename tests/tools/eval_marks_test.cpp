@@ -7,7 +7,6 @@
 
 #include "common/files.h"
 #include "small_arena.h"
-#include "statistics.h"
 #include "support/error_text.h"
 #include "support/temp_dir.h"
 
@@ -83,12 +82,6 @@ TEST(ReadMarksTest, OnlyConfirmedOnesCount) {
   };
   EXPECT_THAT(errorFor("1,qr,qr,a,sure,1,2,3,5\n"), HasSubstr("o.csv:2: `sure` is no state"));
   EXPECT_THAT(errorFor("1,qr,qr,a,confirmed,1,,3,5\n"), HasSubstr("o.csv:2"));
-}
-
-TEST(QuantileTest, Interpolates) {
-  EXPECT_DOUBLE_EQ(quantileOf({3.0, 1.0, 2.0}, 0.5), 2.0);
-  EXPECT_DOUBLE_EQ(quantileOf({0.0, 10.0}, 0.95), 9.5);
-  EXPECT_DOUBLE_EQ(quantileOf({4.0}, 0.95), 4.0);
 }
 
 TEST(SightingsTest, AMissionsWorldIsFoundAgain) {

@@ -11,7 +11,6 @@
 #include "eval_map.h"
 #include "eval_relations.h"
 #include "map_file.h"
-#include "statistics.h"
 #include "support/error_text.h"
 #include "support/temp_dir.h"
 
@@ -61,16 +60,6 @@ Trajectory noisy(Trajectory trajectory) {
     pose.T_a_b.rotate(Eigen::AngleAxisd(noise(generator), Eigen::Vector3d::UnitX()));
   }
   return trajectory;
-}
-
-TEST(StatisticsTest, ByHand) {
-  const Statistics s = statisticsOf({4.0, 1.0, 3.0, 2.0});
-  EXPECT_DOUBLE_EQ(s.mean, 2.5);
-  EXPECT_DOUBLE_EQ(s.median, 2.5);
-  EXPECT_DOUBLE_EQ(s.rmse, std::sqrt(7.5));
-  EXPECT_DOUBLE_EQ(s.std, std::sqrt(1.25));
-  EXPECT_DOUBLE_EQ(s.max, 4.0);
-  EXPECT_TRUE(std::isnan(statisticsOf({}).mean));
 }
 
 struct Group {

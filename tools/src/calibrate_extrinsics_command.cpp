@@ -13,7 +13,7 @@
 #include "common/config.h"
 #include "common/error.h"
 #include "common/robot_config.h"
-#include "statistics.h"
+#include "common/statistics.h"
 
 namespace rubble::tools {
 
@@ -42,7 +42,7 @@ void printDistances(const char* what, const calibration::Board& board,
     }
     fmt::print(stderr, "  pairs {}, {}: median {:.4f} m, 90 % {:.4f} m, {} points\n", what,
                paper == calibration::Paper::kWhite ? "white squares" : "all squares",
-               statisticsOf(distances).median, quantileOf(distances, 0.9), distances.size());
+               common::statisticsOf(distances).median, common::quantileOf(distances, 0.9), distances.size());
   }
 }
 

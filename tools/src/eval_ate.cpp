@@ -43,10 +43,9 @@ struct Similarity {
   }
 };
 
-bool earlier(const StampedPose& pose, Utime utime) { return pose.utime < utime; }
-
 std::optional<Pose3> truthAt(const Trajectory& truth, Utime utime, Utime max_gap) {
-  const auto after = std::lower_bound(truth.begin(), truth.end(), utime, earlier);
+  const auto after = std::lower_bound(truth.begin(), truth.end(), utime,
+                                      [](const StampedPose& pose, Utime t) { return pose.utime < t; });
   if (after != truth.end() && after->utime - utime <= kSameTime) {
     return after->T_a_b;
   }
@@ -124,8 +123,7 @@ double trackedShare(const Trajectory& estimate, const Trajectory& truth) {
     near = std::max(near, *usual * 3 / 4);
   }
   const auto tracked = std::count_if(truth.begin(), truth.end(), [&](const StampedPose& pose) {
-    const auto found = std::lower_bound(estimate.begin(), estimate.end(), pose.utime - near, earlier);
-    return found != estimate.end() && found->utime <= pose.utime + near;
+    return common::nearestPose(estimate, pose.utime, near) != nullptr;
   });
   return static_cast<double>(tracked) / static_cast<double>(truth.size());
 }
@@ -164,10 +162,10 @@ AteResult evaluateAte(const Trajectory& estimate, const Trajectory& truth, Align
   result.truth_poses = static_cast<int>(truth.size());
   result.tracked_share = trackedShare(estimate, truth);
   result.scale = similarity.scale;
-  result.translation_m = statisticsOf(std::move(translation));
-  result.z_rmse_m = statisticsOf(std::move(z)).rmse;
-  result.attitude_rmse_deg = statisticsOf(std::move(attitude)).rmse;
-  result.rotation_rmse_deg = statisticsOf(std::move(rotation)).rmse;
+  result.translation_m = common::statisticsOf(std::move(translation));
+  result.z_rmse_m = common::statisticsOf(std::move(z)).rmse;
+  result.attitude_rmse_deg = common::statisticsOf(std::move(attitude)).rmse;
+  result.rotation_rmse_deg = common::statisticsOf(std::move(rotation)).rmse;
   return result;
 }
 

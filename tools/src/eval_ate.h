@@ -1,7 +1,7 @@
 #pragma once
 
+#include "common/statistics.h"
 #include "common/trajectory.h"
-#include "statistics.h"
 
 namespace rubble::tools {
 
@@ -22,7 +22,7 @@ struct AteResult {
   int truth_poses = 0;
   double tracked_share = 0.0;  // trackedShare()
   double scale = 1.0;          // of the alignment
-  Statistics translation_m;
+  common::Statistics translation_m;
   double z_rmse_m = 0.0;
   double attitude_rmse_deg = 0.0;  // angle between the two verticals: roll and pitch without yaw
   double rotation_rmse_deg = 0.0;

@@ -8,12 +8,12 @@
 
 #include "command.h"
 #include "common/error.h"
+#include "common/statistics.h"
 #include "eval_ate.h"
 #include "eval_map.h"
 #include "eval_relations.h"
 #include "map_file.h"
 #include "report.h"
-#include "statistics.h"
 
 namespace rubble::tools {
 
@@ -32,7 +32,7 @@ struct EvalOptions {
 };
 
 void addStatistics(Json& report, const std::string& name, const std::string& unit,
-                   const Statistics& statistics) {
+                   const common::Statistics& statistics) {
   report[name + "_mean_" + unit] = statistics.mean;
   report[name + "_median_" + unit] = statistics.median;
   report[name + "_rmse_" + unit] = statistics.rmse;

@@ -24,9 +24,7 @@ struct Pair {
 std::vector<Pair> pairUp(const std::vector<StatedPose>& fused, const common::Trajectory& truth) {
   std::vector<Pair> pairs;
   for (const StatedPose& f : fused) {
-    const auto t = std::lower_bound(truth.begin(), truth.end(), f.pose.utime,
-                                    [](const auto& pose, common::Utime utime) { return pose.utime < utime; });
-    if (t != truth.end() && t->utime == f.pose.utime) {
+    if (const common::StampedPose* t = common::nearestPose(truth, f.pose.utime, 0)) {
       pairs.push_back({f.pose.utime, f.pose.T_a_b.translation(), t->T_a_b.translation(), f.state});
     }
   }

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "command.h"
+#include "common/statistics.h"
 #include "eval_marks.h"
 #include "report.h"
-#include "statistics.h"
 
 namespace rubble::tools {
 
@@ -43,8 +43,8 @@ Json reportOf(const MarksScore& score) {
           {"confirmed", score.confirmed},
           {"duplicates", score.duplicates},
           {"false", score.false_marks},
-          {"error_median_m", quantileOf(score.errors_m, 0.5)},
-          {"error_p95_m", quantileOf(score.errors_m, 0.95)},
+          {"error_median_m", common::quantileOf(score.errors_m, 0.5)},
+          {"error_p95_m", common::quantileOf(score.errors_m, 0.95)},
           {"recall_by_pixels", recall}};
 }
 
@@ -59,7 +59,7 @@ void printTable(const std::map<std::string, MarksScore>& scores) {
   for (const auto& [kind, score] : scores) {
     fmt::print("{:10}{:>8}{:>6}{:>6}{:>11}{:>11}{:>7}{:>10.3f}{:>8.3f}  ", kind, score.objects, score.seen,
                score.seen_confirmed_once, score.confirmed, score.duplicates, score.false_marks,
-               quantileOf(score.errors_m, 0.5), quantileOf(score.errors_m, 0.95));
+               common::quantileOf(score.errors_m, 0.5), common::quantileOf(score.errors_m, 0.95));
     for (const MarksScore::Bin& bin : score.recall) {
       fmt::print("{:>9}", fmt::format("{}/{}", bin.confirmed, bin.objects));
     }

@@ -5,9 +5,9 @@
 
 #include "command.h"
 #include "common/config.h"
+#include "common/statistics.h"
 #include "eval_objects.h"
 #include "report.h"
-#include "statistics.h"
 
 namespace rubble::tools {
 
@@ -54,7 +54,7 @@ void evalObjects(const EvalObjectsOptions& options) {
   const ObjectsResult result =
       evaluateObjects(options.pictures, boxes, config.read<recognizer::RecognizerConfig>("recognizer"),
                       recognizer::Vocabulary::load(options.vocabulary), class_map);
-  const Statistics time = statisticsOf(result.milliseconds);
+  const common::Statistics time = common::statisticsOf(result.milliseconds);
   Json report;
   report["pictures"] = result.pictures;
   report["detections"] = result.detections;

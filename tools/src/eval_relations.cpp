@@ -11,26 +11,6 @@
 
 namespace rubble::tools {
 
-namespace {
-
-/// Null without a pose near enough.
-const common::Pose3* nearestPose(const common::Trajectory& trajectory, common::Utime utime,
-                                 common::Utime max_difference) {
-  const auto after =
-      std::lower_bound(trajectory.begin(), trajectory.end(), utime,
-                       [](const common::StampedPose& pose, common::Utime t) { return pose.utime < t; });
-  const common::StampedPose* nearest = after == trajectory.end() ? nullptr : &*after;
-  if (after != trajectory.begin()) {
-    const common::StampedPose& before = *std::prev(after);
-    if (nearest == nullptr || utime - before.utime < nearest->utime - utime) {
-      nearest = &before;
-    }
-  }
-  return nearest != nullptr && std::abs(nearest->utime - utime) <= max_difference ? &nearest->T_a_b : nullptr;
-}
-
-}  // namespace
-
 std::vector<Relation> readRelations(const std::filesystem::path& path) {
   std::vector<Relation> relations;
   forEachLine(readTextFile(path), [&](std::string_view line) {
@@ -57,12 +37,12 @@ RelationsResult evaluateRelations(const common::Trajectory& estimate, const std:
   std::vector<double> translation;
   std::vector<double> rotation;
   for (const Relation& relation : relations) {
-    const common::Pose3* T_world_1 = nearestPose(estimate, relation.utime_1, tolerance);
-    const common::Pose3* T_world_2 = nearestPose(estimate, relation.utime_2, tolerance);
-    if (T_world_1 == nullptr || T_world_2 == nullptr) {
+    const common::StampedPose* first = common::nearestPose(estimate, relation.utime_1, tolerance);
+    const common::StampedPose* second = common::nearestPose(estimate, relation.utime_2, tolerance);
+    if (first == nullptr || second == nullptr) {
       continue;
     }
-    const common::Pose3 error = relation.T_1_2.inverse() * (T_world_1->inverse() * *T_world_2);
+    const common::Pose3 error = relation.T_1_2.inverse() * (first->T_a_b.inverse() * second->T_a_b);
     translation.push_back(error.translation().norm());
     rotation.push_back(std::abs(Eigen::AngleAxisd(error.linear()).angle()) * 180.0 / std::numbers::pi);
   }
@@ -73,8 +53,8 @@ RelationsResult evaluateRelations(const common::Trajectory& estimate, const std:
   RelationsResult result;
   result.matched = static_cast<int>(translation.size());
   result.total = static_cast<int>(relations.size());
-  result.translation_m = statisticsOf(std::move(translation));
-  result.rotation_deg = statisticsOf(std::move(rotation));
+  result.translation_m = common::statisticsOf(std::move(translation));
+  result.rotation_deg = common::statisticsOf(std::move(rotation));
   return result;
 }
 

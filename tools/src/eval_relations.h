@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "common/statistics.h"
 #include "common/trajectory.h"
-#include "statistics.h"
 
 namespace rubble::tools {
 
@@ -21,8 +21,8 @@ std::vector<Relation> readRelations(const std::filesystem::path& path);
 struct RelationsResult {
   int matched = 0;  // relations whose two stamps both have a pose
   int total = 0;
-  Statistics translation_m;  // |translation| of inverse(reference) * estimate
-  Statistics rotation_deg;   // its angle
+  common::Statistics translation_m;  // |translation| of inverse(reference) * estimate
+  common::Statistics rotation_deg;   // its angle
 };
 
 /// Takes the estimate's poses nearest to the stamps, at most `max_difference` seconds away. Throws Error when

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "statistics.h"
+#include "common/statistics.h"
 
 namespace rubble::tools {
 
@@ -81,14 +81,15 @@ std::string recognitionReport(const std::vector<SeedScores>& seeds) {
     const RecognitionScore& r = seed.recognition;
     text += fmt::format("| {} | {:.1f} | {:.3f} | {} / {} | {} | {:.3f} / {:.3f} |\n", seed.seed,
                         100.0 * r.tracked, r.mono_ate_m, r.found, r.seen, r.false_marks,
-                        quantileOf(r.errors_m, 0.5), quantileOf(r.errors_m, 0.95));
+                        common::quantileOf(r.errors_m, 0.5), common::quantileOf(r.errors_m, 0.95));
     all.found += r.found;
     all.seen += r.seen;
     all.false_marks += r.false_marks;
     all.errors_m.insert(all.errors_m.end(), r.errors_m.begin(), r.errors_m.end());
   }
   return text + fmt::format("| **all** | | | {} / {} | {} | {:.3f} / {:.3f} |\n", all.found, all.seen,
-                            all.false_marks, quantileOf(all.errors_m, 0.5), quantileOf(all.errors_m, 0.95));
+                            all.false_marks, common::quantileOf(all.errors_m, 0.5),
+                            common::quantileOf(all.errors_m, 0.95));
 }
 
 }  // namespace

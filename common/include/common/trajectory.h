@@ -16,6 +16,9 @@ struct StampedPose {
 /// Poses in increasing time.
 using Trajectory = std::vector<StampedPose>;
 
+/// The pose nearest in time; null where none is within `max_difference` microseconds.
+const StampedPose* nearestPose(const Trajectory& trajectory, Utime utime, Utime max_difference);
+
 /// Reads a TUM file: lines `seconds x y z qx qy qz qw`, `#` starts a comment. Lines out of order are
 /// sorted. Throws Error naming file and line.
 Trajectory readTum(const std::filesystem::path& path);

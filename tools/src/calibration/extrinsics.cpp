@@ -11,7 +11,7 @@
 #include "calibration/extrinsics_start.h"
 #include "calibration/plane_fit.h"
 #include "common/error.h"
-#include "statistics.h"
+#include "common/statistics.h"
 
 namespace rubble::calibration {
 
@@ -77,7 +77,7 @@ double medianOfAbsolutes(std::vector<double> values) {
   for (double& value : values) {
     value = std::abs(value);
   }
-  return tools::statisticsOf(std::move(values)).median;
+  return common::statisticsOf(std::move(values)).median;
 }
 
 /// Robust against outliers; never below what a LiDAR can be trusted with.

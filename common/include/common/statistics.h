@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace rubble::tools {
+namespace rubble::common {
 
 /// Of at least one value; NaN without any.
 struct Statistics {
@@ -18,4 +18,4 @@ Statistics statisticsOf(std::vector<double> values);
 /// What this share of the values (0 .. 1) does not exceed, interpolated; NaN without any.
 double quantileOf(std::vector<double> values, double share);
 
-}  // namespace rubble::tools
+}  // namespace rubble::common

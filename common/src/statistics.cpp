@@ -1,10 +1,10 @@
-#include "statistics.h"
+#include "common/statistics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace rubble::tools {
+namespace rubble::common {
 
 Statistics statisticsOf(std::vector<double> values) {
   if (values.empty()) {
@@ -44,4 +44,4 @@ double quantileOf(std::vector<double> values, double share) {
   return std::lerp(values[below], values[above], place - static_cast<double>(below));
 }
 
-}  // namespace rubble::tools
+}  // namespace rubble::common
