@@ -56,6 +56,7 @@ void ScanProjector::project(const LidarScan& scan, const Attitude& first, const 
       continue;
     }
     Eigen::Vector2d p = range * directions_[i];
+    bool in_slice = true;
     if (tilted) {
       const double t = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0.0;
       const Eigen::Vector3d p_level = range * levelled(directions_[i], std::lerp(first.roll, last.roll, t),
@@ -65,14 +66,17 @@ void ScanProjector::project(const LidarScan& scan, const Attitude& first, const 
         continue;
       }
       p = p_level.head<2>();
+      in_slice = std::abs(p_level.z()) <= config_.slice;
     }
     if (moving) {
       p = T_first_beam * p;
     }
-    out.rays.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), true});
-  }
-  for (const RayEnd& ray : out.rays) {
-    out.points.add(ray.x, ray.y, 1.0F);
+    const auto x = static_cast<float>(p.x());
+    const auto y = static_cast<float>(p.y());
+    out.points.add(x, y, 1.0F);
+    if (in_slice) {
+      out.rays.push_back({x, y, true});
+    }
   }
   out.points.pad();
 }

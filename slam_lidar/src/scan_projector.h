@@ -15,11 +15,12 @@ struct RayEnd {
 };
 
 struct ProjectedScan {
-  std::vector<RayEnd> rays;
-  PointSet points;  ///< the hits, weighted for matching
+  std::vector<RayEnd> rays;  ///< for the map: what ends in its slice
+  PointSet points;           ///< the hits, weighted for matching
 };
 
-/// Beams to points: range limits, the LiDAR's tilt, its motion during the sweep, floor and ceiling.
+/// Beams to points: range limits, the LiDAR's tilt, its motion during the sweep, floor and ceiling, the map's
+/// slice.
 class ScanProjector {
  public:
   explicit ScanProjector(const GridSlamConfig::Scan& config) : config_(config) {}

@@ -14,6 +14,7 @@ LidarScan halfCircle() { return {0, -std::numbers::pi / 2.0, std::numbers::pi / 
 TEST(ScanProjector, TiltedPointsEqualTheRotationOfTheWholePoint) {
   GridSlamConfig::Scan config;
   config.height_above_floor = 5.0;
+  config.slice = 5.0;
   ScanProjector projector(config);
   ProjectedScan out;
   const Attitude first{0.1, -0.2};
@@ -36,6 +37,7 @@ TEST(ScanProjector, BeamsThatMeetFloorOrCeilingAreDropped) {
   config.height_above_floor = 0.3;
   config.height_below_ceiling = 0.4;
   config.height_margin = 0.05;
+  config.slice = 5.0;
   ScanProjector projector(config);
   ProjectedScan out;
   // Positive pitch: the front goes down. 2 m ahead lies 0.4 m lower.
@@ -47,6 +49,21 @@ TEST(ScanProjector, BeamsThatMeetFloorOrCeilingAreDropped) {
   projector.project(halfCircle(), {0.0, -0.2}, {0.0, -0.2}, Eigen::Vector3d::Zero(), out);
   for (const RayEnd& ray : out.rays) {
     EXPECT_LT(static_cast<double>(ray.x) * std::tan(0.2), 0.35 + 1e-6);
+  }
+}
+
+TEST(ScanProjector, WhatEndsInAnotherSliceIsMatchedOnly) {
+  GridSlamConfig::Scan config;
+  config.slice = 0.05;
+  ScanProjector projector(config);
+  ProjectedScan out;
+  // 2 m ahead lies 0.08 m lower, 2 m aside on the LiDAR's height.
+  projector.project(halfCircle(), {0.0, 0.04}, {0.0, 0.04}, Eigen::Vector3d::Zero(), out);
+  EXPECT_EQ(out.points.size(), kRanges.size());
+  ASSERT_FALSE(out.rays.empty());
+  EXPECT_LT(out.rays.size(), kRanges.size());
+  for (const RayEnd& ray : out.rays) {
+    EXPECT_LE(static_cast<double>(ray.x) * std::tan(0.04), 0.05 + 1e-6);
   }
 }
 
