@@ -39,6 +39,14 @@ Eigen::MatrixXf scatterAbout(const PatchDescriptor& mean, const Eigen::MatrixXf&
 
 }  // namespace
 
+AppearanceModel AppearanceModel::empty() {
+  AppearanceModel model;
+  model.clutter_mean = PatchDescriptor::Zero(kPatchDimensions);
+  model.whitening = Eigen::MatrixXf::Zero(kPatchDimensions, kPatchDimensions);
+  model.views.resize(kPatchDimensions, 0);
+  return model;
+}
+
 std::vector<AppearanceModel::Likeness> AppearanceModel::likenesses(const PatchDescriptor& patch) const {
   PatchDescriptor difference = patch - clutter_mean;
   const float length = (whitening.triangularView<Eigen::Lower>() * difference).norm();

@@ -21,6 +21,9 @@ struct AppearanceModel {
   /// A column per view; the cosine's numerator is its product with a descriptor less the mean.
   Eigen::MatrixXf views;
 
+  /// Without views.
+  static AppearanceModel empty();
+
   struct Likeness {
     float value = -1.0F;
     int quarters = 0;  ///< turns of the patch (see turned()) that look like the view

@@ -20,6 +20,7 @@ Quad turned(const Quad& quad, int quarters);
 /// Mean corner distance of two outlines, begun wherever they agree best.
 double distanceOf(const Quad& a, const Quad& b);
 cv::Rect2f boundsOf(const Quad& quad);
+Quad quadOf(const cv::Rect2f& box);
 /// Share of the smaller of two rectangles that lies in the other one, and intersection over union.
 double containment(const cv::Rect2f& a, const cv::Rect2f& b);
 double overlap(const cv::Rect2f& a, const cv::Rect2f& b);

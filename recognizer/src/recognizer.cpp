@@ -9,6 +9,7 @@
 #include "hypotheses.h"
 #include "outlines.h"
 #include "patch_descriptor.h"
+#include "solids/solid_detector.h"
 #include "vocabulary_data.h"
 
 namespace rubble::recognizer {
@@ -70,6 +71,9 @@ struct Recognizer::State {
   std::vector<WordMatch> matches;
 
   std::vector<Quad> findCandidates(const orb::Features& features, const cv::Mat& picture) {
+    if (vocabulary->viewCount() == 0) {
+      return {};
+    }
     const WordIndex& words = vocabulary->data().words;
     matches.resize(features.size());
     words.match(features.descriptors, config.distance, matches);
@@ -116,6 +120,13 @@ struct Recognizer::State {
     return Found{turned(scaled(candidate, sizes[best]), likenesses[best].quarters), object_class, score};
   }
 
+  void addSolids(const cv::Mat& picture, std::vector<Found>* found) const {
+    for (const FoundSolid& solid : findSolids(picture, vocabulary->data().solids, config.smallest_solid,
+                                              config.solid_score)) {
+      found->push_back({quadOf(solid.box), solid.object_class, solid.score});
+    }
+  }
+
   Detection detectionOf(const Found& found) const {
     const ObjectClass& object_class = vocabulary->classes()[found.object_class];
     return {.class_name = object_class.name,
@@ -142,6 +153,7 @@ std::vector<Detection> Recognizer::recognise(const orb::Features& features, cons
       found.push_back(*object);
     }
   }
+  state_->addSolids(pictures.small, &found);
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.score > b.score; });
   std::vector<Detection> detections;

@@ -10,6 +10,7 @@ namespace rubble::recognizer {
 struct SamplePicture {
   cv::Mat picture;
   Quad outline;
+  cv::Mat alpha;  ///< CV_8UC1: how much of every pixel is the object
 };
 
 /// Patches of kPatchSide as findOutlines might cut them from camera pictures: corners a little off, other

@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr char kBackgroundFolder[] = "background";
 constexpr int kLongSide = 300;         // pixels that samples are kept at
 constexpr double kSmallestArea = 0.3;  // of the picture, for an outline in it to be the object's
 constexpr double kLongestRatio = 2.0;  // longest to shortest side
@@ -130,15 +131,24 @@ Quad largestOutline(const std::vector<cv::Mat>& pictures, const Quad& whole) {
 }
 
 SamplePicture inPicture(const cv::Mat& picture) {
-  return {picture, largestOutline({picture, cutOut(picture)}, wholeOf(cv::Rect({0, 0}, picture.size())))};
+  SamplePicture sample{picture, largestOutline({picture, cutOut(picture)}, wholeOf(cv::Rect({0, 0}, picture.size()))),
+                       cv::Mat::zeros(picture.size(), CV_8UC1)};
+  const std::vector<cv::Point> corners(sample.outline.begin(), sample.outline.end());
+  cv::fillConvexPoly(sample.alpha, corners, cv::Scalar::all(255), cv::LINE_AA);
+  return sample;
+}
+
+cv::Mat readPicture(const fs::path& path, int flags) {
+  cv::Mat picture = cv::imread(path.string(), flags);
+  if (picture.empty()) {
+    throw common::Error(
+        fmt::format("{}: this is no picture that can be read; replace or remove it", path.string()));
+  }
+  return picture;
 }
 
 SamplePicture readSample(const fs::path& path) {
-  cv::Mat picture = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
-  if (picture.empty()) {
-    throw common::Error(
-        fmt::format("{}: this sample is no picture that can be read; replace or remove it", path.string()));
-  }
+  cv::Mat picture = readPicture(path, cv::IMREAD_UNCHANGED);
   if (picture.depth() != CV_8U || std::min(picture.rows, picture.cols) < 24) {
     throw common::Error(
         fmt::format("{}: a sample has 8 bits per channel and at least 24 x 24 pixels, "
@@ -169,7 +179,7 @@ SamplePicture readSample(const fs::path& path) {
   const cv::Mat opaque = ~transparent;
   cv::Mat mask;
   cv::cvtColor(opaque, mask, cv::COLOR_GRAY2BGR);
-  return {bgr, largestOutline({mask}, wholeOf(cv::boundingRect(opaque)))};
+  return {bgr, largestOutline({mask}, wholeOf(cv::boundingRect(opaque))), alpha};
 }
 
 class Reader {
@@ -177,7 +187,9 @@ class Reader {
   void addFolder(const fs::path& folder) {
     const std::size_t before = samples_.views.size();
     for (const fs::path& path : sortedContent(folder)) {
-      if (fs::is_directory(path)) {
+      if (fs::is_directory(path) && path.filename() == kBackgroundFolder) {
+        addBackgrounds(path);
+      } else if (fs::is_directory(path)) {
         addClassFolder(path);
       } else if (isPicture(path)) {
         addView(path.stem().string(), path);
@@ -207,6 +219,13 @@ class Reader {
     if (samples_.views.size() == before) {
       throw common::Error(fmt::format(
           "{}: this class holds no picture (png, jpg); add one or remove the folder", folder.string()));
+    }
+  }
+  void addBackgrounds(const fs::path& folder) {
+    for (const fs::path& path : sortedContent(folder)) {
+      if (isPicture(path)) {
+        samples_.backgrounds.push_back(readPicture(path, cv::IMREAD_COLOR));
+      }
     }
   }
   void addView(const std::string& name, const fs::path& path) {

@@ -16,6 +16,7 @@ struct Samples {
     SamplePicture sample;
   };
   std::vector<View> views;
+  std::vector<cv::Mat> backgrounds;  ///< CV_8UC3 (BGR): pictures without objects
 };
 
 /// See train(). In pictures with transparency the object is what is opaque; else a large outline in the

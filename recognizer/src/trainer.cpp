@@ -6,6 +6,7 @@
 #include "patch_descriptor.h"
 #include "rendering.h"
 #include "samples.h"
+#include "solids/solid_trainer.h"
 #include "vocabulary_data.h"
 #include "word_trainer.h"
 
@@ -71,13 +72,27 @@ float highScore(const Eigen::MatrixXf& patches, const AppearanceModel& model,
   return *high;
 }
 
+Samples withoutSolids(const Samples& all) {
+  Samples flat{all.classes, {}, {}};
+  std::copy_if(all.views.begin(), all.views.end(), std::back_inserter(flat.views), [&](const Samples::View& view) {
+    return all.classes[view.object_class].kind != kSolidKind;
+  });
+  return flat;
+}
+
 }  // namespace
 
 Vocabulary train(const std::vector<std::filesystem::path>& folders, const TrainerConfig& config) {
-  const Samples samples = readSamples(folders);
+  const Samples all = readSamples(folders);
   VocabularyData data;
-  data.classes = samples.classes;
+  data.classes = all.classes;
+  data.solids = trainSolids(all, {.renderings = config.solids, .others = config.solids});
+  const Samples samples = withoutSolids(all);
   data.words = trainWords(samples);
+  if (samples.views.empty()) {
+    data.appearance = AppearanceModel::empty();
+    return Vocabulary(std::move(data));
+  }
   cv::RNG random(kSeed);
   std::vector<Eigen::MatrixXf> views;
   for (const Samples::View& view : samples.views) {

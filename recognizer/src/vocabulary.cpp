@@ -9,7 +9,7 @@ namespace rubble::recognizer {
 
 namespace {
 
-constexpr common::Magic kMagic = {'R', 'B', 'V', 'O', 'C', '0', '0', '1'};
+constexpr common::Magic kMagic = {'R', 'B', 'V', 'O', 'C', '0', '0', '2'};
 
 template <typename T>
 void putList(const std::vector<T>& values, common::ByteWriter* writer) {
@@ -61,6 +61,24 @@ void getMatrix(common::ByteReader* reader, Matrix* matrix) {
   reader->getAll(std::span(matrix->data(), static_cast<std::size_t>(matrix->size())));
 }
 
+void putSolid(const SolidModel& model, common::ByteWriter* writer) {
+  writer->put(model.object_class);
+  writer->put(model.rows);
+  writer->put(model.columns);
+  writer->put(model.typical);
+  putList(model.trees.trees, writer);
+}
+
+SolidModel getSolid(common::ByteReader* reader) {
+  SolidModel model;
+  model.object_class = reader->get<std::uint32_t>();
+  model.rows = reader->get<std::int32_t>();
+  model.columns = reader->get<std::int32_t>();
+  model.typical = reader->get<float>();
+  model.trees.trees = getList<BoostedTrees::Tree>(reader);
+  return model;
+}
+
 WordIndex getWords(common::ByteReader* reader) {
   auto descriptors = getList<orb::Descriptor>(reader);
   auto places = getList<WordPlace>(reader);
@@ -69,12 +87,25 @@ WordIndex getWords(common::ByteReader* reader) {
   return {std::move(descriptors), std::move(places), std::move(centres), std::move(begins)};
 }
 
+bool isSound(const SolidModel& model) {
+  constexpr std::int32_t kMost = 64;  // cells
+  const auto fits = [](std::int32_t side) { return side > 2 * kWindowMargin && side <= kMost; };
+  return fits(model.rows) && fits(model.columns) && model.typical > 0.0F &&
+         std::all_of(model.trees.trees.begin(), model.trees.trees.end(), [&](const BoostedTrees::Tree& tree) {
+           return *std::max_element(tree.features.begin(), tree.features.end()) < model.width();
+         });
+}
+
 /// A checksum tells damage, not sense: what indexes something must be within it.
 bool isSound(const VocabularyData& data) {
   const WordIndex& words = data.words;
   const auto& begins = words.begins();
   const auto in = [](std::uint32_t index, std::size_t size) { return index < size; };
-  return !data.classes.empty() && !data.view_classes.empty() &&
+  return !data.classes.empty() && (!data.view_classes.empty() || !data.solids.empty()) &&
+         std::all_of(data.solids.begin(), data.solids.end(),
+                     [&](const SolidModel& model) {
+                       return in(model.object_class, data.classes.size()) && isSound(model);
+                     }) &&
          std::all_of(data.view_classes.begin(), data.view_classes.end(),
                      [&](std::uint32_t c) { return in(c, data.classes.size()); }) &&
          words.places().size() == words.size() && begins.size() == words.centres().size() + 1 &&
@@ -114,6 +145,10 @@ Vocabulary Vocabulary::parse(std::span<const std::uint8_t> bytes, const std::str
     getMatrix(&reader, &data.appearance.clutter_mean);
     getMatrix(&reader, &data.appearance.whitening);
     getMatrix(&reader, &data.appearance.views);
+    data.solids.resize(reader.getCount(sizeof(std::uint64_t)));
+    for (SolidModel& model : data.solids) {
+      model = getSolid(&reader);
+    }
     if (reader.left() != 0 || !isSound(data)) {
       reader.fail("its parts do not fit together");
     }
@@ -139,6 +174,10 @@ std::vector<std::uint8_t> Vocabulary::serialised() const {
   putMatrix(data_->appearance.clutter_mean, &writer);
   putMatrix(data_->appearance.whitening, &writer);
   putMatrix(data_->appearance.views, &writer);
+  writer.put<std::uint64_t>(data_->solids.size());
+  for (const SolidModel& model : data_->solids) {
+    putSolid(model, &writer);
+  }
   return std::move(writer).sealed();
 }
 

@@ -1,10 +1,12 @@
 #include "samples/doll_studio.h"
 
 #include <cmath>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "scene/mesh.h"
+#include "scene/canvas.h"
 #include "scene/victim.h"
 #include "sensors/camera_model.h"
 
@@ -14,12 +16,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kPixels = 320;  // Of a square picture; its lens has no distortion.
-constexpr double kFocal = 480.0;
+constexpr int kPixels = 208;  // Of a square picture; its lens has no distortion.
+constexpr double kFocal = 270.0;
 constexpr double kCentre = 0.5 * (kPixels - 1);
 constexpr double kLookAt = 0.1;  // m, height over the ground.
+/// What it lies on, as in a box: from below, the edge hides a part.
+const Vector3d kBoard(0.74, 0.5, 0.02);
 constexpr std::uint8_t kFloorGrey = 150;
 constexpr int kRays = 3;  // Per pixel and axis.
+constexpr std::uint64_t kStream = 50;
 
 common::RobotConfig::Intrinsics studioLens() {
   common::RobotConfig::Intrinsics lens;
@@ -37,6 +42,20 @@ CameraModelConfig studioCamera() {
   config.light_change = 0.0;
   config.texture_budget = 1.0;
   return config;
+}
+
+/// Floor and walls, so that the camera's exposure is for more than the doll.
+void addRoom(const Appearance& look, std::vector<Surface>* surfaces) {
+  constexpr double kSide = 5.0;  // m
+  constexpr double kFloor = -0.42;
+  const common::Pose3 floor(Eigen::Translation3d(0.0, 0.0, kFloor));
+  surfaces->push_back(makePicture(floor, {kSide, kSide}, look));
+  for (int wall = 0; wall < 4; ++wall) {
+    const common::Pose3 T = common::Pose3(Eigen::AngleAxisd(0.5 * wall * std::numbers::pi, Vector3d::UnitZ())) *
+                            Eigen::Translation3d(0.0, 0.5 * kSide, kFloor + 0.5 * kSide) *
+                            Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX());
+    surfaces->push_back(makePicture(T, {kSide, kSide}, look));
+  }
 }
 
 common::Pose3 cameraAt(const Viewpoint& view) {
@@ -57,19 +76,23 @@ DollStudio::DollStudio(std::uint64_t seed) : scene_(std::make_shared<Scene>()) {
   addVictim(surfaces, common::Pose3::Identity(), seed);
   std::erase_if(surfaces,
                 [](const Surface& surface) { return surface.appearance.material == Material::kCardboard; });
-  doll_ = std::make_unique<RayTracer>(*scene_);
-  Appearance floor;
-  floor.picture = std::make_shared<const cv::Mat>(8, 8, CV_8UC3, cv::Scalar::all(kFloorGrey));
-  constexpr double kFloor = 8.0;
-  surfaces.push_back(makePicture(common::Pose3::Identity(), {kFloor, kFloor}, floor));
+  doll_surfaces_ = surfaces.size();
+  Appearance grey;
+  grey.picture = std::make_shared<const cv::Mat>(8, 8, CV_8UC3, cv::Scalar::all(kFloorGrey));
+  addBox(surfaces, common::Pose3(Eigen::Translation3d(0.0, 0.0, -0.5 * kBoard.z())), kBoard, grey, false);
+  addRoom(grey, &surfaces);
+  Dice dice(seed, kStream);
   for (const double side : {-1.0, 1.0}) {
-    scene_->lamps.push_back({{0.5, side * 1.5, 3.0}, {0.7, 0.4}, 10.0, 0});
+    const double ahead = static_cast<double>(dice.uniform(-1.5F, 1.5F));
+    const double power = static_cast<double>(dice.uniform(3.0F, 14.0F));
+    scene_->lamps.push_back({{ahead, side * 1.5, 3.0}, {0.7, 0.4}, power, 0});
   }
+  tracer_ = std::make_shared<const RayTracer>(*scene_);
 }
 
 cv::Mat DollStudio::portrait(const Viewpoint& view) const {
   const common::Pose3 T_world_camera = cameraAt(view);
-  CameraModel camera(studioCamera(), studioLens(), scene_, std::make_shared<const RayTracer>(*scene_), 1);
+  CameraModel camera(studioCamera(), studioLens(), scene_, tracer_, 1);
   const cv::Mat bgr = camera.take(0.0, [&](double) { return T_world_camera; }).bgr;
   const cv::Mat alpha = coverage(T_world_camera);
   std::vector<cv::Mat> channels;
@@ -97,7 +120,8 @@ cv::Mat DollStudio::coverage(const common::Pose3& T_world_camera) const {
         const double u = x - 0.5 + (ray % kRays + 0.5) / kRays;
         const double v = y - 0.5 + (ray / kRays + 0.5) / kRays;
         const Vector3d direction = Vector3d((u - kCentre) / kFocal, (v - kCentre) / kFocal, 1.0).normalized();
-        hits += doll_->cast(T_world_camera.translation(), T_world_camera.linear() * direction) ? 1 : 0;
+        const auto hit = tracer_->cast(T_world_camera.translation(), T_world_camera.linear() * direction);
+        hits += hit && hit->surface < doll_surfaces_ ? 1 : 0;
       }
       alpha.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(255 * hits / (kRays * kRays));
     }

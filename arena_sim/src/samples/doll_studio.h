@@ -14,10 +14,10 @@ namespace rubble::arena_sim {
 struct Viewpoint {
   double azimuth = 0.0;   // rad about the doll's z axis; 0: from where its x points.
   double distance = 1.0;  // m, over the ground.
-  double height = 0.3;    // m
+  double height = 0.3;    // m, of the camera over what the doll lies on; negative: below.
 };
 
-/// A doll (scene/victim.h) on a plain grey floor under lamps, without the box it may lean on.
+/// A doll (scene/victim.h) on a plain grey board under lamps, without the box it may lean on.
 class DollStudio {
  public:
   explicit DollStudio(std::uint64_t seed);
@@ -29,7 +29,8 @@ class DollStudio {
   cv::Mat coverage(const common::Pose3& T_world_camera) const;
 
   std::shared_ptr<Scene> scene_;
-  std::unique_ptr<RayTracer> doll_;
+  std::size_t doll_surfaces_ = 0;  // The scene's first ones.
+  std::shared_ptr<const RayTracer> tracer_;
 };
 
 }  // namespace rubble::arena_sim

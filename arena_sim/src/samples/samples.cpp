@@ -13,6 +13,8 @@
 #include "common/files.h"
 #include "folders.h"
 #include "samples/doll_studio.h"
+#include "samples/robot_views.h"
+#include "scene/canvas.h"
 #include "scene/signs.h"
 
 namespace rubble::arena_sim {
@@ -24,14 +26,21 @@ namespace fs = std::filesystem;
 constexpr int kLabelPixels = 256;
 constexpr std::uint8_t kOutside = 150;  // Grey where nothing is.
 
-// Three dolls of each posture: on its back, on its side, sitting. Those of missions have random seeds of
-// 64 bits.
-constexpr std::array<std::uint64_t, 9> kDolls = {8, 13, 22, 0, 1, 7, 2, 3, 4};
-
-/// As from a robot on the floor: dolls lie along a wall, so they are seen from the side, near or far.
-constexpr std::array kAzimuths = {-130.0, -90.0, -50.0, 50.0, 90.0, 130.0};  // degrees
-constexpr std::array kDistances = {1.0, 1.5};                                // m
-constexpr std::array kHeights = {0.3, 0.5};                                  // m
+/// Their seeds count from 0; those of missions are random ones of 64 bits.
+constexpr std::uint64_t kDolls = 100;
+constexpr std::uint64_t kDollStream = 51;
+/// As from a robot: of a doll on the floor, in a box on a shelf, from a ramp or the platform.
+constexpr std::array kHeights = {0.22, -0.2, 0.3, 0.6};  // m over what the doll lies on
+/// Dolls lie along a wall, so they are seen from a side.
+constexpr float kFarthestAside = 70.0F;  // degrees from there
+constexpr float kNearest = 0.8F;         // m
+constexpr float kFarthest = 1.6F;
+constexpr int kSmallest = 26;  // px; less is hidden behind the board's edge
+// Arenas without victims, and pictures of each.
+constexpr std::uint64_t kFirstWorld = 101;
+constexpr int kWorlds = 15;
+constexpr int kPicturesOfWorld = 5;
+constexpr int kJpegQuality = 75;
 
 /// The label with what its background shows through as its transparency.
 cv::Mat cutOut(std::string_view hazard_class) {
@@ -59,12 +68,33 @@ void writePicture(const fs::path& path, const cv::Mat& picture) {
 }
 
 void writeDolls(const fs::path& folder) {
-  for (std::size_t doll = 0; doll < kDolls.size(); ++doll) {
-    const DollStudio studio(kDolls[doll]);
-    for (std::size_t i = 0; i < kAzimuths.size(); ++i) {
-      const Viewpoint view{kAzimuths[i] / 180.0 * std::numbers::pi,
-                           kDistances[(doll + i) % kDistances.size()], kHeights[i % kHeights.size()]};
-      writePicture(folder / fmt::format("doll_{}_{}.png", doll + 1, i + 1), studio.portrait(view));
+  for (std::uint64_t doll = 0; doll < kDolls; ++doll) {
+    const DollStudio studio(doll);
+    Dice dice(doll, kDollStream);
+    for (std::size_t i = 0; i < kHeights.size(); ++i) {
+      const double side = dice.chance(0.5) ? 90.0 : -90.0;
+      const double azimuth = side + static_cast<double>(dice.uniform(-kFarthestAside, kFarthestAside));
+      const Viewpoint view{azimuth / 180.0 * std::numbers::pi,
+                           static_cast<double>(dice.uniform(kNearest, kFarthest)), kHeights[i]};
+      const cv::Mat portrait = studio.portrait(view);
+      if (std::min(portrait.rows, portrait.cols) >= kSmallest) {
+        writePicture(folder / fmt::format("doll_{:03}_{}.png", doll, i + 1), portrait);
+      }
+    }
+  }
+}
+
+/// What a robot sees where no victim is.
+void writeBackgrounds(const fs::path& folder) {
+  WorldConfig config;
+  config.victims = 0;
+  for (std::uint64_t seed = kFirstWorld; seed < kFirstWorld + kWorlds; ++seed) {
+    RobotViews views(makeWorld(config, seed), seed);
+    for (int i = 0; i < kPicturesOfWorld; ++i) {
+      const fs::path path = folder / fmt::format("world_{}_{}.jpg", seed, i + 1);
+      if (!cv::imwrite(path.string(), views.take(views.anywhere()), {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
+        throw common::Error(fmt::format("{}: cannot be written", path.string()));
+      }
     }
   }
 }
@@ -85,6 +115,8 @@ void writeSamples(const fs::path& out) {
   createFolder(out / "victim");
   writeDolls(out / "victim");
   yaml += entry("victim", "victim");
+  createFolder(out / "background");
+  writeBackgrounds(out / "background");
   common::writeFileAtomically(out / "samples.yaml", yaml);
 }
 

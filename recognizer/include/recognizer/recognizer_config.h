@@ -13,6 +13,8 @@ struct RecognizerConfig {
   int candidates = 80;
   double smallest_side = 18.0;
   double score = 0.22;
+  double smallest_solid = 44.0;
+  double solid_score = 0.3;
 };
 
 void visit(common::ConfigSection& section, RecognizerConfig& config);
