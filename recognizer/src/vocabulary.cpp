@@ -65,6 +65,7 @@ void putSolid(const SolidModel& model, common::ByteWriter* writer) {
   writer->put(model.object_class);
   writer->put(model.rows);
   writer->put(model.columns);
+  writer->put(model.zero);
   writer->put(model.typical);
   putList(model.trees.trees, writer);
 }
@@ -74,6 +75,7 @@ SolidModel getSolid(common::ByteReader* reader) {
   model.object_class = reader->get<std::uint32_t>();
   model.rows = reader->get<std::int32_t>();
   model.columns = reader->get<std::int32_t>();
+  model.zero = reader->get<float>();
   model.typical = reader->get<float>();
   model.trees.trees = getList<BoostedTrees::Tree>(reader);
   return model;
@@ -90,7 +92,7 @@ WordIndex getWords(common::ByteReader* reader) {
 bool isSound(const SolidModel& model) {
   constexpr std::int32_t kMost = 64;  // cells
   const auto fits = [](std::int32_t side) { return side > 2 * kWindowMargin && side <= kMost; };
-  return fits(model.rows) && fits(model.columns) && model.typical > 0.0F &&
+  return fits(model.rows) && fits(model.columns) && model.typical > model.zero &&
          std::all_of(model.trees.trees.begin(), model.trees.trees.end(), [&](const BoostedTrees::Tree& tree) {
            return *std::max_element(tree.features.begin(), tree.features.end()) < model.width();
          });

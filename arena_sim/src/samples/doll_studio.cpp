@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kPixels = 208;  // Of a square picture; its lens has no distortion.
-constexpr double kFocal = 270.0;
+constexpr double kFocalPerDistance = 250.0;  // px/m: dolls are as large from anywhere.
 constexpr double kCentre = 0.5 * (kPixels - 1);
 constexpr double kLookAt = 0.1;  // m, height over the ground.
 /// What it lies on, as in a box: from below, the edge hides a part.
@@ -26,10 +26,10 @@ constexpr std::uint8_t kFloorGrey = 150;
 constexpr int kRays = 3;  // Per pixel and axis.
 constexpr std::uint64_t kStream = 50;
 
-common::RobotConfig::Intrinsics studioLens() {
+common::RobotConfig::Intrinsics studioLens(double focal) {
   common::RobotConfig::Intrinsics lens;
   lens.width = lens.height = kPixels;
-  lens.focal = {kFocal, kFocal};
+  lens.focal = {focal, focal};
   lens.centre = {kCentre, kCentre};
   return lens;
 }
@@ -92,9 +92,10 @@ DollStudio::DollStudio(std::uint64_t seed) : scene_(std::make_shared<Scene>()) {
 
 cv::Mat DollStudio::portrait(const Viewpoint& view) const {
   const common::Pose3 T_world_camera = cameraAt(view);
-  CameraModel camera(studioCamera(), studioLens(), scene_, tracer_, 1);
+  const double focal = kFocalPerDistance * std::hypot(view.distance, view.height - kLookAt);
+  CameraModel camera(studioCamera(), studioLens(focal), scene_, tracer_, 1);
   const cv::Mat bgr = camera.take(0.0, [&](double) { return T_world_camera; }).bgr;
-  const cv::Mat alpha = coverage(T_world_camera);
+  const cv::Mat alpha = coverage(T_world_camera, focal);
   std::vector<cv::Mat> channels;
   cv::split(bgr, channels);
   for (cv::Mat& channel : channels) {
@@ -111,7 +112,7 @@ cv::Mat DollStudio::portrait(const Viewpoint& view) const {
 }
 
 /// How much of each pixel the doll fills, 0 .. 255.
-cv::Mat DollStudio::coverage(const common::Pose3& T_world_camera) const {
+cv::Mat DollStudio::coverage(const common::Pose3& T_world_camera, double focal) const {
   cv::Mat alpha(kPixels, kPixels, CV_8UC1);
   for (int y = 0; y < kPixels; ++y) {
     for (int x = 0; x < kPixels; ++x) {
@@ -119,7 +120,7 @@ cv::Mat DollStudio::coverage(const common::Pose3& T_world_camera) const {
       for (int ray = 0; ray < kRays * kRays; ++ray) {
         const double u = x - 0.5 + (ray % kRays + 0.5) / kRays;
         const double v = y - 0.5 + (ray / kRays + 0.5) / kRays;
-        const Vector3d direction = Vector3d((u - kCentre) / kFocal, (v - kCentre) / kFocal, 1.0).normalized();
+        const Vector3d direction = Vector3d((u - kCentre) / focal, (v - kCentre) / focal, 1.0).normalized();
         const auto hit = tracer_->cast(T_world_camera.translation(), T_world_camera.linear() * direction);
         hits += hit && hit->surface < doll_surfaces_ ? 1 : 0;
       }

@@ -22,11 +22,11 @@ class DollStudio {
  public:
   explicit DollStudio(std::uint64_t seed);
 
-  /// The doll from there, cut out: 8UC4 BGRA.
+  /// The doll from there, cut out, as large from any distance: 8UC4 BGRA.
   cv::Mat portrait(const Viewpoint& view) const;
 
  private:
-  cv::Mat coverage(const common::Pose3& T_world_camera) const;
+  cv::Mat coverage(const common::Pose3& T_world_camera, double focal) const;
 
   std::shared_ptr<Scene> scene_;
   std::size_t doll_surfaces_ = 0;  // The scene's first ones.

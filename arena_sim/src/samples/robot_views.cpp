@@ -61,6 +61,8 @@ std::optional<common::Pose3> RobotViews::towards(const WorldObject& object, doub
 }
 
 cv::Mat RobotViews::take(const common::Pose3& T_world_camera) {
+  // The exposure has followed what the camera sees.
+  camera_.take(seconds_ += kPause, [&](double) { return T_world_camera; });
   seconds_ += kPause;
   const double turning = random_.uniform(-kTurning, kTurning);
   const double driving = random_.uniform(0.0, kDriving);

@@ -33,8 +33,8 @@ constexpr std::uint64_t kDollStream = 51;
 constexpr std::array kHeights = {0.22, -0.2, 0.3, 0.6};  // m over what the doll lies on
 /// Dolls lie along a wall, so they are seen from a side.
 constexpr float kFarthestAside = 70.0F;  // degrees from there
-constexpr float kNearest = 0.8F;         // m
-constexpr float kFarthest = 1.6F;
+constexpr float kNearest = 0.5F;         // m
+constexpr float kFarthest = 2.0F;
 constexpr int kSmallest = 26;  // px; less is hidden behind the board's edge
 // Arenas without victims, and pictures of each.
 constexpr std::uint64_t kFirstWorld = 101;
@@ -75,7 +75,7 @@ void writeDolls(const fs::path& folder) {
       const double side = dice.chance(0.5) ? 90.0 : -90.0;
       const double azimuth = side + static_cast<double>(dice.uniform(-kFarthestAside, kFarthestAside));
       const Viewpoint view{azimuth / 180.0 * std::numbers::pi,
-                           static_cast<double>(dice.uniform(kNearest, kFarthest)), kHeights[i]};
+                           static_cast<double>(std::exp(dice.uniform(std::log(kNearest), std::log(kFarthest)))), kHeights[i]};
       const cv::Mat portrait = studio.portrait(view);
       if (std::min(portrait.rows, portrait.cols) >= kSmallest) {
         writePicture(folder / fmt::format("doll_{:03}_{}.png", doll, i + 1), portrait);

@@ -16,7 +16,8 @@ constexpr int kSeed = 11;
 constexpr std::size_t kFeatureShare = 12;
 constexpr float kPrior = 0.02F;     // weight on both sides of a leaf
 constexpr float kShrinkage = 0.5F;  // of a leaf
-constexpr float kMostWeight = 1.0F;
+/// Of the mean weight: windows of less do not choose splits (weight trimming).
+constexpr float kIdle = 0.1F;
 
 /// Columns of all windows, objects first, and their weights.
 class Booster {
@@ -57,14 +58,22 @@ class Booster {
     Side totals{};
     for (std::size_t i = 0; i < rows_; ++i) {
       const float margin = isObject(i) == 1 ? sums_[i] : -sums_[i];
-      weights_[i] = std::min(kMostWeight, 1.0F / (1.0F + std::exp(2.0F * margin)));
+      weights_[i] = 1.0F / (1.0F + std::exp(2.0F * margin));
       totals[isObject(i)] += weights_[i];
     }
     if (totals_[0] == 0.0F) {
       totals_ = totals;  // Both sides weigh the same at first.
     }
+    float sum = 0.0F;
     for (std::size_t i = 0; i < rows_; ++i) {
       weights_[i] /= totals_[isObject(i)];
+      sum += weights_[i];
+    }
+    active_.clear();
+    for (std::size_t i = 0; i < rows_; ++i) {
+      if (weights_[i] * static_cast<float>(rows_) >= kIdle * sum) {
+        active_.push_back(static_cast<std::uint32_t>(i));
+      }
     }
   }
 
@@ -87,7 +96,7 @@ class Booster {
         histogram.fill({});
       }
       const std::uint8_t* column = &columns_[feature * rows_];
-      for (std::size_t i = 0; i < rows_; ++i) {
+      for (const std::uint32_t i : active_) {
         histograms[nodes_[i] - first][column[i]][isObject(i)] += weights_[i];
       }
       for (std::size_t node = 0; node < count; ++node) {
@@ -156,6 +165,7 @@ class Booster {
   std::vector<float> sums_;
   std::vector<float> weights_;
   std::vector<std::uint8_t> nodes_;
+  std::vector<std::uint32_t> active_;  // rows that weigh enough to be counted
   Side totals_{};
 };
 

@@ -90,7 +90,7 @@ std::vector<PyramidLevel> makePyramid(const cv::Mat& picture, double smallest_si
     }
     // An octave's levels are made of the last octave's: less to read.
     cv::Mat level;
-    cv::resize(source, level, size, 0.0, 0.0, size.width < source.cols ? cv::INTER_AREA : cv::INTER_LINEAR);
+    cv::resize(source, level, size, 0.0, 0.0, 2 * size.width == source.cols ? cv::INTER_AREA : cv::INTER_LINEAR);
     if (2 * size.width <= source.cols) {
       source = level;
     }
@@ -112,7 +112,7 @@ std::vector<FoundSolid> findSolids(const cv::Mat& picture, const std::vector<Sol
   for (const PyramidLevel& level : makePyramid(picture, smallest_side)) {
     for (const SolidModel& model : models) {
       scanWindows(level.channels, model, [&](int row, int column, float sum) {
-        const float value = 0.5F * sum / model.typical;
+        const float value = model.scoreOf(sum);
         if (static_cast<double>(value) >= score) {
           all.push_back({level.boxOf(model, row, column), model.object_class, value});
         }

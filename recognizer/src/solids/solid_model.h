@@ -17,9 +17,11 @@ struct SolidModel {
   std::uint32_t object_class = 0;
   std::int32_t rows = 0;  ///< of the window, cells
   std::int32_t columns = 0;
-  float typical = 1.0F;  ///< half of the objects reach this sum
+  float zero = 0.0F;     ///< sum of the score 0: what clutter reaches in one picture of some
+  float typical = 1.0F;  ///< sum of the score 0.5: half of the objects reach it
   BoostedTrees trees;
 
+  float scoreOf(float sum) const { return 0.5F * (sum - zero) / (typical - zero); }
   std::size_t width() const { return static_cast<std::size_t>(rows * columns * kChannels); }
 };
 

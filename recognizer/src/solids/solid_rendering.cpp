@@ -1,6 +1,7 @@
 #include "solids/solid_rendering.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -14,50 +15,28 @@ namespace {
 double uniform(double low, double high, cv::RNG* random) { return random->uniform(low, high); }
 bool chance(double probability, cv::RNG* random) { return uniform(0.0, 1.0, random) < probability; }
 
-/// Colours times coverage, and coverage; both 0 .. 1.
-struct Layer {
-  cv::Mat colours;   // CV_32FC3
-  cv::Mat coverage;  // CV_32FC1
-};
-
 cv::Mat threefold(const cv::Mat& coverage) {
   cv::Mat result;
   cv::merge(std::vector<cv::Mat>{coverage, coverage, coverage}, result);
   return result;
 }
 
-Layer layerOf(const SamplePicture& sample, double scale) {
-  Layer layer;
-  sample.alpha.convertTo(layer.coverage, CV_32F, 1.0 / 255.0);
-  sample.picture.convertTo(layer.colours, CV_32F, 1.0 / 255.0);
-  layer.colours = layer.colours.mul(threefold(layer.coverage));
-  if (scale < 1.0) {
-    cv::resize(layer.colours, layer.colours, cv::Size(), scale, scale, cv::INTER_AREA);
-    cv::resize(layer.coverage, layer.coverage, cv::Size(), scale, scale, cv::INTER_AREA);
-  }
-  return layer;
-}
-
-/// The object's middle comes to lie at about `centre`, its size becomes about kObjectSide.
-Layer placed(const SamplePicture& sample, cv::Size size, cv::RNG* random) {
-  const cv::Rect2f box = boundsOf(sample.outline);
+/// The object's middle comes to lie at about the picture's, its size becomes about kObjectSide.
+CutOut placed(const CutOut& sample, cv::Size size, cv::RNG* random) {
   const double scale =
-      kObjectSide / std::sqrt(static_cast<double>(box.area())) * std::exp(random->gaussian(0.09));
-  const double reduction = std::min(1.0, 1.3 * scale);
-  const Layer reduced = layerOf(sample, reduction);
-  const double turn = random->gaussian(0.1);
+      kObjectSide / std::sqrt(static_cast<double>(sample.box.area())) * std::exp(random->gaussian(0.06));
+  const double turn = random->gaussian(0.06);
   const double stretch = std::exp(random->gaussian(0.06));
   const double mirror = chance(0.5, random) ? -1.0 : 1.0;
-  const double s = scale / reduction;
-  cv::Matx23d M(mirror * s * stretch * std::cos(turn), -s / stretch * std::sin(turn), 0.0,
-                mirror * s * stretch * std::sin(turn), s / stretch * std::cos(turn), 0.0);
-  const cv::Point2d middle = rescaled(0.5F * (box.tl() + box.br()), static_cast<float>(reduction));
-  const double looseness = 0.04 * kObjectSide;
+  cv::Matx23d M(mirror * scale * stretch * std::cos(turn), -scale / stretch * std::sin(turn), 0.0,
+                mirror * scale * stretch * std::sin(turn), scale / stretch * std::cos(turn), 0.0);
+  const cv::Point2d middle = 0.5F * (sample.box.tl() + sample.box.br());
+  const double looseness = 0.03 * kObjectSide;
   M(0, 2) = 0.5 * (size.width - 1) + random->gaussian(looseness) - M(0, 0) * middle.x - M(0, 1) * middle.y;
   M(1, 2) = 0.5 * (size.height - 1) + random->gaussian(looseness) - M(1, 0) * middle.x - M(1, 1) * middle.y;
-  Layer layer;
-  cv::warpAffine(reduced.colours, layer.colours, M, size);
-  cv::warpAffine(reduced.coverage, layer.coverage, M, size);
+  CutOut layer;
+  cv::warpAffine(sample.colours, layer.colours, M, size);
+  cv::warpAffine(sample.coverage, layer.coverage, M, size);
   return layer;
 }
 
@@ -91,11 +70,11 @@ void castShadow(const cv::Mat& coverage, cv::Mat* background, cv::RNG* random) {
 /// A board before the lower edge, or before one side.
 void cover(const cv::Mat& board, const cv::Rect& object, cv::Mat* picture, cv::RNG* random) {
   cv::Rect hidden;
-  if (chance(0.3, random)) {
-    const int top = object.y + static_cast<int>(object.height * uniform(0.6, 1.0, random));
+  if (chance(0.25, random)) {
+    const int top = object.y + static_cast<int>(object.height * uniform(0.7, 1.0, random));
     hidden = {0, top, picture->cols, random->uniform(2, picture->rows)};
-  } else if (chance(0.15, random)) {
-    const int wide = static_cast<int>(object.width * uniform(0.0, 0.3, random));
+  } else if (chance(0.12, random)) {
+    const int wide = static_cast<int>(object.width * uniform(0.0, 0.2, random));
     hidden = chance(0.5, random) ? cv::Rect(0, 0, object.x + wide, picture->rows)
                                  : cv::Rect(object.br().x - wide, 0, picture->cols, picture->rows);
   }
@@ -114,33 +93,59 @@ cv::Mat developed(cv::Mat picture, cv::RNG* random) {
   if (chance(0.25, random)) {
     cv::blur(picture, picture, {random->uniform(2, 6), 1});
   }
-  const cv::Vec3d tint(std::exp(random->gaussian(0.10)), std::exp(random->gaussian(0.05)),
-                       std::exp(random->gaussian(0.10)));
+  const std::array tint = {std::exp(random->gaussian(0.07)), std::exp(random->gaussian(0.04)),
+                           std::exp(random->gaussian(0.07))};
   const double gain = std::exp(random->gaussian(0.35));
-  const double gamma = std::exp(random->gaussian(0.15));
-  const auto saturation = static_cast<float>(uniform(0.6, 1.2, random));
-  const auto haze = static_cast<float>(chance(0.2, random) ? uniform(0.0, 0.2, random) : 0.0);
-  for (auto it = picture.begin<cv::Vec3f>(); it != picture.end<cv::Vec3f>(); ++it) {
-    const float grey = ((*it)[0] + (*it)[1] + (*it)[2]) / 3.0F;
-    for (int c = 0; c < 3; ++c) {
-      const double colour = std::max(0.0F, grey + ((*it)[c] - grey) * saturation);
-      (*it)[c] = haze + (1.0F - haze) * static_cast<float>(std::pow(colour, gamma) * tint[c] * gain);
+  const double saturation = uniform(0.6, 1.2, random);
+  const double haze = chance(0.2, random) ? uniform(0.0, 0.2, random) : 0.0;
+  cv::Matx34d mix = cv::Matx34d::zeros();
+  for (int to = 0; to < 3; ++to) {
+    for (int from = 0; from < 3; ++from) {
+      const double share = (1.0 - saturation) / 3.0 + (to == from ? saturation : 0.0);
+      mix(to, from) = (1.0 - haze) * gain * tint[static_cast<std::size_t>(to)] * share;
     }
+    mix(to, 3) = haze;
   }
+  cv::transform(picture, picture, mix);
   cv::Mat noise(picture.size(), CV_32FC3);
   random->fill(noise, cv::RNG::NORMAL, 0.0, uniform(0.0, 0.025, random));
-  cv::GaussianBlur(noise, noise, cv::Size(), uniform(0.2, 0.7, random));
+  cv::blur(noise, noise, {2, 1});
   cv::Mat result;
   cv::Mat(picture + noise).convertTo(result, CV_8U, 255.0);
+  const double gamma = std::exp(random->gaussian(0.15));
+  cv::Mat curve(1, 256, CV_8U);
+  for (int i = 0; i < curve.cols; ++i) {
+    curve.at<std::uint8_t>(i) = cv::saturate_cast<std::uint8_t>(255.0 * std::pow(i / 255.0, gamma));
+  }
+  cv::LUT(result, curve, result);
   return result;
 }
 
 }  // namespace
 
-cv::Mat renderSolid(const SamplePicture& sample, const cv::Mat& background, cv::Size window, cv::RNG* random) {
+CutOut cutOut(const SamplePicture& sample) {
+  constexpr double kReserve = 1.3;  // of resolution
+  CutOut result;
+  // What is less than half the object shows its old background.
+  sample.alpha.convertTo(result.coverage, CV_32F, 2.0 / 255.0, -1.0);
+  result.coverage = cv::max(result.coverage, 0.0);
+  sample.picture.convertTo(result.colours, CV_32F, 1.0 / 255.0);
+  result.colours = result.colours.mul(threefold(result.coverage));
+  result.box = boundsOf(sample.outline);
+  const double scale = kReserve * kObjectSide / std::sqrt(static_cast<double>(result.box.area()));
+  if (scale < 1.0) {
+    cv::resize(result.colours, result.colours, cv::Size(), scale, scale, cv::INTER_AREA);
+    cv::resize(result.coverage, result.coverage, cv::Size(), scale, scale, cv::INTER_AREA);
+    const auto factor = static_cast<float>(scale);
+    result.box = {rescaled(result.box.tl(), factor), rescaled(result.box.br(), factor)};
+  }
+  return result;
+}
+
+cv::Mat renderSolid(const CutOut& sample, const cv::Mat& background, cv::Size window, cv::RNG* random) {
   const int margin = 2 * kRenderedMargin * kCellSide;
   const cv::Size size(window.width + margin, window.height + margin);
-  const Layer layer = placed(sample, size, random);
+  const CutOut layer = placed(sample, size, random);
   cv::Mat picture;
   background(cv::Rect({0, 0}, size)).convertTo(picture, CV_32F, 1.0 / 255.0);
   const cv::Mat board = picture.clone();

@@ -13,15 +13,20 @@ namespace rubble::recognizer {
 namespace {
 
 constexpr int kSeed = 9;
-constexpr int kClutterPictures = 60;
+constexpr int kClutterPictures = 40;
 const cv::Size kClutterSize(480, 360);
 /// Shapes (width to height) that one model stands for: the widest to the narrowest.
-constexpr double kShapeRange = 2.0;
+constexpr double kShapeRange = 3.0;
 /// Trees after each round; before every round what the last one takes for objects is added to the others.
-constexpr std::array kRounds = {32, 128, 256};
+constexpr std::array kRounds = {48, 192, 384};
 /// Of objects that nothing was learnt from, that the cascade may lose.
-constexpr double kLost = 0.03;
+constexpr double kLost = 0.05;
+/// One picture in so many is not learnt from, but tells what clutter reaches, in one of kReached of them.
+constexpr std::size_t kHeldOut = 5;
+constexpr std::size_t kReached = 4;
 constexpr double kSmallestSide = 44.0;
+/// Sum from which on a window is hard.
+constexpr float kHard = -0.5F;
 
 /// Samples of one class whose shapes are alike.
 struct Group {
@@ -67,19 +72,22 @@ std::vector<Group> groupsOf(const Samples& samples, std::uint32_t object_class) 
 
 class Trainer {
  public:
-  Trainer(const std::vector<cv::Mat>& backgrounds, const SolidTrainerConfig& config)
-      : config_(config), random_(kSeed), pictures_(backgrounds) {
-    for (const cv::Mat& background : backgrounds) {
-      cv::Mat mirrored;
-      cv::flip(background, mirrored, 1);
-      pictures_.push_back(mirrored);
-    }
+  Trainer(const Samples& samples, const SolidTrainerConfig& config)
+      : config_(config), random_(kSeed), pictures_(samples.backgrounds) {
     for (int i = 0; i < kClutterPictures; ++i) {
       pictures_.push_back(renderClutter(kClutterSize, &random_));
     }
+    for (const cv::Mat& picture : pictures_) {
+      pyramids_.push_back(makePyramid(picture, kSmallestSide));
+    }
+    for (const Samples::View& view : samples.views) {
+      if (samples.classes[view.object_class].kind != kSolidKind) {
+        flat_.push_back(cutOut(view.sample));
+      }
+    }
   }
 
-  SolidModel train(const Group& group, int renderings) {
+  SolidModel train(const Group& group) {
     SolidModel model;
     model.object_class = group.object_class;
     const auto cells = [](double side) {
@@ -87,9 +95,17 @@ class Trainer {
     };
     model.columns = cells(kObjectSide * std::sqrt(group.shape));
     model.rows = cells(kObjectSide / std::sqrt(group.shape));
-    const WindowTable objects = render(group, model, renderings);
-    const WindowTable fresh = render(group, model, renderings / 4);
+    std::vector<CutOut> samples;
+    for (const SamplePicture* sample : group.samples) {
+      samples.push_back(cutOut(*sample));
+    }
+    const WindowTable objects = render(samples, model, config_.renderings);
+    const WindowTable fresh = render(samples, model, config_.renderings / 4);
     WindowTable others = windowsAnywhere(model);
+    if (!flat_.empty()) {  // A label is no victim.
+      const WindowTable flat = render(flat_, model, config_.others / 4);
+      others.values.insert(others.values.end(), flat.values.begin(), flat.values.end());
+    }
     for (const int trees : kRounds) {
       model.trees = boostTrees(objects, others, trees);
       setCascade(fresh, kLost, &model.trees);
@@ -98,16 +114,17 @@ class Trainer {
       }
     }
     setTypical(fresh, &model);
+    setZero(&model);
     return model;
   }
 
  private:
-  WindowTable render(const Group& group, const SolidModel& model, int count) {
+  WindowTable render(const std::vector<CutOut>& samples, const SolidModel& model, int count) {
     WindowTable table{model.width(), {}};
     const cv::Size window(model.columns * kCellSide, model.rows * kCellSide);
     const int margin = 2 * kRenderedMargin * kCellSide;
     for (int i = 0; i < count; ++i) {
-      const SamplePicture& sample = *group.samples[static_cast<std::size_t>(i) % group.samples.size()];
+      const CutOut& sample = samples[static_cast<std::size_t>(i) % samples.size()];
       const cv::Mat background = cropAnywhere(pictures_, window + cv::Size(margin, margin), &random_);
       const Channels channels = channelsOf(renderSolid(sample, background, window, &random_));
       add(channels, kRenderedMargin, kRenderedMargin, model, &table);
@@ -134,12 +151,19 @@ class Trainer {
     };
     const std::size_t most = static_cast<std::size_t>(config_.others) / pictures_.size() + 1;
     std::size_t all = 0;
-    for (const cv::Mat& picture : pictures_) {
-      const auto pyramid = makePyramid(picture, kSmallestSide);
+    for (std::size_t i = 0; i < pictures_.size(); ++i) {
+      if (i % kHeldOut == 0) {
+        continue;
+      }
+      const std::vector<PyramidLevel>& pyramid = pyramids_[i];
       std::vector<Hard> hard;
       for (std::size_t level = 0; level < pyramid.size(); ++level) {
         scanWindows(pyramid[level].channels, model,
-                    [&](int row, int column, float sum) { hard.push_back({level, row, column, sum}); });
+                    [&](int row, int column, float sum) {
+                      if (sum > kHard) {
+                        hard.push_back({level, row, column, sum});
+                      }
+                    });
       }
       all += hard.size();
       std::stable_sort(hard.begin(), hard.end(), [](const Hard& a, const Hard& b) { return a.sum > b.sum; });
@@ -165,12 +189,28 @@ class Trainer {
     }
     const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
     std::nth_element(sums.begin(), middle, sums.end());
-    model->typical = std::max(*middle, 1e-3F);
+    model->typical = *middle;
+  }
+
+  void setZero(SolidModel* model) const {
+    std::vector<float> best;
+    for (std::size_t i = 0; i < pictures_.size(); i += kHeldOut) {
+      best.push_back(-1.0F);
+      for (const PyramidLevel& level : pyramids_[i]) {
+        scanWindows(level.channels, *model, [&](int, int, float sum) { best.back() = std::max(best.back(), sum); });
+      }
+    }
+    const auto high = best.begin() + static_cast<std::ptrdiff_t>(best.size() - 1 - best.size() / kReached);
+    std::nth_element(best.begin(), high, best.end());
+    std::fprintf(stderr, "typical %.2f zero %.2f\n", static_cast<double>(model->typical), static_cast<double>(*high));
+    model->zero = std::min(*high, model->typical - 1.0F);
   }
 
   const SolidTrainerConfig config_;
   cv::RNG random_;
   std::vector<cv::Mat> pictures_;
+  std::vector<std::vector<PyramidLevel>> pyramids_;  // of the pictures
+  std::vector<CutOut> flat_;                         // samples of other kinds
 };
 
 }  // namespace
@@ -181,16 +221,11 @@ std::vector<SolidModel> trainSolids(const Samples& samples, const SolidTrainerCo
     if (samples.classes[i].kind != kSolidKind) {
       continue;
     }
-    Trainer trainer(samples.backgrounds, config);
+    Trainer trainer(samples, config);
     const std::vector<Group> groups = groupsOf(samples, i);
-    std::size_t views = 0;
-    for (const Group& group : groups) {
-      views += group.samples.size();
-    }
     for (const Group& group : groups) {
       std::fprintf(stderr, "group %.2f %zu\n", group.shape, group.samples.size());
-      models.push_back(trainer.train(
-          group, static_cast<int>(static_cast<std::size_t>(config.renderings) * group.samples.size() / views)));
+      models.push_back(trainer.train(group));
     }
   }
   return models;
