@@ -14,7 +14,7 @@ using common::ByteReader;
 using common::ByteWriter;
 using common::Pose3;
 
-constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '3'};
+constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '4'};
 
 void putPose(ByteWriter& out, const Pose3& T) { out.putAll(std::span<const double>(T.matrix().data(), 16)); }
 

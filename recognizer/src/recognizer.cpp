@@ -145,7 +145,8 @@ Recognizer::~Recognizer() = default;
 Recognizer::Recognizer(Recognizer&&) noexcept = default;
 Recognizer& Recognizer::operator=(Recognizer&&) noexcept = default;
 
-std::vector<Detection> Recognizer::recognise(const orb::Features& features, const cv::Mat& picture) {
+std::vector<Detection> Recognizer::recognise(const orb::Features& features, const cv::Mat& picture,
+                                             bool with_solids) {
   const Pictures pictures = picturesOf(picture, features);
   std::vector<Found> found;
   for (const Quad& candidate : state_->findCandidates(features, pictures.small)) {
@@ -153,7 +154,9 @@ std::vector<Detection> Recognizer::recognise(const orb::Features& features, cons
       found.push_back(*object);
     }
   }
-  state_->addSolids(pictures.small, &found);
+  if (with_solids) {
+    state_->addSolids(pictures.small, &found);
+  }
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.score > b.score; });
   std::vector<Detection> detections;

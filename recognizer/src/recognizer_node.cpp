@@ -194,7 +194,7 @@ class RecognizerNode : public lcm_io::Node {
     std::vector<Detection> detections;
     if (recognizer_) {
       const lcm_io::StageTimer timer(times_, "recognise");
-      detections = recognizer_->recognise(features, picture);
+      detections = recognizer_->recognise(features, picture, counters_.pictures % config_.solid_every == 0);
     }
     {
       const lcm_io::StageTimer timer(times_, "codes");

@@ -9,6 +9,8 @@ void visit(common::ConfigSection& section, NodeConfig& config) {
                "file that `rubble train` wrote; empty: the one that comes with Rubble");
   section.number("period", config.period, "s", 0.0, 10.0,
                  "between the pictures that are looked at: the rest of the computer belongs to SLAM");
+  section.integer("solid_every", config.solid_every, "", 1, 1000,
+                  "one in so many of these pictures is also searched for what is not flat: victims");
   section.integer("notice_views", config.notice_views, "", 1, 1000,
                   "pictures that show something new before the operator is told");
   section.number("notice_quiet", config.notice_quiet, "s", 0.0, 1e6,

@@ -13,6 +13,7 @@ namespace rubble::recognizer {
 struct NodeConfig {
   std::string vocabulary;  ///< file; "": the one that comes with the program
   double period = 0.1;     ///< s
+  int solid_every = 2;     ///< looks
   int notice_views = 3;
   double notice_quiet = 30.0;  ///< s
   RecognizerConfig recognizer;

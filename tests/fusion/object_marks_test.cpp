@@ -186,6 +186,50 @@ TEST(ObjectMarks, TwoOfAClassSideBySideAreTwo) {
   EXPECT_EQ(marks.marks()[1].state, MarkState::kConfirmed);
 }
 
+/// The box that a camera sees around a doll; only a part of it, seen from some sides.
+Sighting seeDoll(const Pose3& T_world_camera, const Vector3d& p, double hidden) {
+  constexpr double kHalfLength = 0.27;
+  constexpr double kHeight = 0.16;
+  double left = 1e9;
+  double right = -1e9;
+  double top = 1e9;
+  double bottom = -1e9;
+  for (const double along : {-kHalfLength, kHalfLength - hidden}) {
+    for (const double across : {-0.08, 0.08}) {
+      for (const double height : {0.0, kHeight}) {
+        const Vector3d v = T_world_camera.inverse() * Vector3d(p + Vector3d(across, along, height));
+        left = std::min(left, v.x() / v.z());
+        right = std::max(right, v.x() / v.z());
+        top = std::min(top, v.y() / v.z());
+        bottom = std::max(bottom, v.y() / v.z());
+      }
+    }
+  }
+  Sighting sighting;
+  sighting.label = {"victim", "victim", ""};
+  sighting.score = 0.5;
+  sighting.corners = {Vector3d(left, top, 1.0).normalized(), Vector3d(right, top, 1.0).normalized(),
+                      Vector3d(right, bottom, 1.0).normalized(), Vector3d(left, bottom, 1.0).normalized()};
+  return sighting;
+}
+
+TEST(ObjectMarks, ADollOfWhichMoreAndLessIsSeenIsOneMarkWhereItLies) {
+  ObjectMarks marks{MarksConfig()};
+  Robot robot;
+  const Vector3d doll(2.0, 0.3, 0.0);
+  for (int i = 0; i < 24; ++i) {
+    const Pose3 camera = cameraAt({0.03 * i, -0.6 + 0.05 * i, 0.22}, 0.1);
+    const std::vector<Sighting> seen = {seeDoll(camera, doll, i % 3 == 0 ? 0.2 : 0.0)};
+    marks.addPicture(robot.place(camera), seen);
+    if (i < 7) {
+      ASSERT_EQ(marks.marks().front().state, MarkState::kPending) << i;
+    }
+  }
+  ASSERT_EQ(marks.marks().size(), 1U);
+  EXPECT_EQ(marks.marks().front().state, MarkState::kConfirmed);
+  EXPECT_LT((marks.marks().front().position.p_world - doll).norm(), 0.15);
+}
+
 TEST(ObjectMarks, AWrongClassAtItsPlaceIsNotConfirmed) {
   Robot robot;
   ObjectMarks marks{{}};

@@ -32,6 +32,11 @@ VocabularyData makeData() {
   data.appearance.clutter_mean = PatchDescriptor::LinSpaced(kPatchDimensions, 0.0F, 1.0F);
   data.appearance.whitening = Eigen::MatrixXf::Identity(kPatchDimensions, kPatchDimensions);
   data.appearance.views = Eigen::MatrixXf::Constant(kPatchDimensions, 3, 0.5F);
+  SolidModel solid{.object_class = 1, .rows = 12, .columns = 20, .zero = 1.0F, .typical = 3.0F, .trees = {}};
+  solid.trees.trees.resize(5);
+  solid.trees.trees[3].features[2] = 12 * 20 * kChannels - 1;
+  solid.trees.trees[3].leaves[7] = 0.25F;
+  data.solids = {solid};
   return data;
 }
 
@@ -48,6 +53,8 @@ TEST(Vocabulary, ComesBackAsItWas) {
   EXPECT_EQ(again.classes()[1].kind, "hazard");
   EXPECT_EQ(again.viewCount(), 3U);
   EXPECT_EQ(again.wordCount(), 40U);
+  ASSERT_EQ(again.data().solids.size(), 1U);
+  EXPECT_EQ(again.data().solids[0].trees.trees[3].leaves[7], 0.25F);
 }
 
 TEST(Vocabulary, EveryTruncationIsAnError) {

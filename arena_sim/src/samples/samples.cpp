@@ -27,7 +27,7 @@ constexpr int kLabelPixels = 256;
 constexpr std::uint8_t kOutside = 150;  // Grey where nothing is.
 
 /// Their seeds count from 0; those of missions are random ones of 64 bits.
-constexpr std::uint64_t kDolls = 100;
+constexpr std::uint64_t kDolls = 90;
 constexpr std::uint64_t kDollStream = 51;
 /// As from a robot: of a doll on the floor, in a box on a shelf, from a ramp or the platform.
 constexpr std::array kHeights = {0.22, -0.2, 0.3, 0.6};  // m over what the doll lies on
@@ -39,7 +39,7 @@ constexpr int kSmallest = 26;  // px; less is hidden behind the board's edge
 // Arenas without victims, and pictures of each.
 constexpr std::uint64_t kFirstWorld = 101;
 constexpr int kWorlds = 15;
-constexpr int kPicturesOfWorld = 5;
+constexpr int kPicturesOfWorld = 4;
 constexpr int kJpegQuality = 75;
 
 /// The label with what its background shows through as its transparency.

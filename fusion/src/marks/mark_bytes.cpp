@@ -46,6 +46,7 @@ void putMark(ByteWriter& out, const Mark& mark) {
     putMatrix(out, view.d_world);
     out.put(view.range);
     out.put(view.range_sigma);
+    out.put(view.bearing_sigma);
   }
   out.put(static_cast<std::uint64_t>(mark.seen_beside.size()));
   out.putAll(std::span<const std::int32_t>(mark.seen_beside));
@@ -76,13 +77,14 @@ Mark getMark(ByteReader& in) {
   mark.keyframe_id = in.get<std::int32_t>();
   mark.on_level = in.get<std::uint8_t>() != 0;
   getMatrix(in, mark.attitude_sum);
-  constexpr std::size_t kViewBytes = 8 * 8;
+  constexpr std::size_t kViewBytes = 9 * 8;
   for (std::size_t i = in.getCount(kViewBytes); i > 0; --i) {
     MarkView& view = mark.kept_views.emplace_back();
     getMatrix(in, view.p_world_camera);
     getMatrix(in, view.d_world);
     view.range = in.get<double>();
     view.range_sigma = in.get<double>();
+    view.bearing_sigma = in.get<double>();
   }
   if (mark.kept_views.empty()) {
     in.fail("a mark that was never seen");

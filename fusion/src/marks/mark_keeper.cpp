@@ -31,6 +31,8 @@ constexpr std::int32_t kMostDetections = 200;
 /// Between a picture and the scan that tells its ranges.
 constexpr Utime kScanGap = common::kMicrosecondsPerSecond / 20;
 constexpr Utime kPeriod = common::kMicrosecondsPerSecond;
+/// A solid thing lies so far before, or behind, what the LiDAR sees there (m): in a box, on a shelf.
+constexpr double kSolidDepth = 0.25;
 
 template <typename T>
 void keep(std::deque<T>& values, T value, std::size_t most) {
@@ -194,8 +196,11 @@ std::vector<Sighting> MarkKeeper::sightingsOf(const rubble::detections_t& messag
     sighting.height = detection.height;
     if (scan != nullptr) {
       sighting.lidar = rangeAlong(place.T_world_camera.translation(),
-                                  place.T_world_camera.linear() * centreBearing(sighting.corners), *scan,
+                                  place.T_world_camera.linear() * bearingOf(sighting), *scan,
                                   place.T_world_camera * fusion_.T_camera_lidar(place.utime));
+      if (sighting.lidar && sighting.label.isSolid()) {
+        sighting.lidar->sigma = std::hypot(sighting.lidar->sigma, kSolidDepth);
+      }
     }
     sightings.push_back(sighting);
   }

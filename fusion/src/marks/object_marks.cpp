@@ -27,6 +27,8 @@ constexpr double kBearingSigma = 0.02;
 constexpr double kGate = 3.0;
 /// Objects of different classes nearer than this (m) are one, and one class is wrong.
 constexpr double kSamePlace = 0.2;
+/// Of a solid thing's bearing, as a share of half its size: what is seen of it changes.
+constexpr double kSolidBearing = 0.3;
 
 Matrix3d nearestRotation(const Matrix3d& M) {
   const Eigen::JacobiSVD<Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -81,10 +83,14 @@ void visit(common::ConfigSection& section, MarksConfig& config) {
                   "pictures in which an object was seen until its mark is confirmed");
   section.integer("confirm_code_views", config.confirm_code_views, "", 1, 1000,
                   "the same for codes, which check themselves");
+  section.integer("confirm_solid_views", config.confirm_solid_views, "", 1, 1000,
+                  "the same for victims, which clutter resembles more often");
   section.number("confirm_sigma", config.confirm_sigma, "m", 0.01, 10.0,
                  "of a mark's position, above which it stays pending");
   section.number("same_object", config.same_object, "m", 0.0, 10.0,
                  "distance up to which two marks of one class, never seen side by side, are one object");
+  section.number("same_solid", config.same_solid, "m", 0.0, 10.0,
+                 "the same for victims: the middle of what is seen of one is not always the same point");
   section.number("forget_after", config.forget_after, "s", 0.1, 1e6,
                  "without a sighting until a pending mark is dropped");
 }
@@ -102,14 +108,16 @@ bool ObjectMarks::addPicture(const PicturePlace& place, std::span<const Sighting
   for (const Sighting& sighting : sightings) {
     Bearing bearing;
     bearing.sighting = &sighting;
-    const Vector3d centre = centreBearing(sighting.corners);
+    const Vector3d centre = bearingOf(sighting);
     bearing.view.p_world_camera = place.T_world_camera.translation();
     bearing.view.d_world = place.T_world_camera.linear() * centre;
     setRange(sighting, bearing.view);
     for (const Vector3d& corner : sighting.corners) {
       bearing.half_size = std::max(bearing.half_size, std::acos(std::clamp(corner.dot(centre), -1.0, 1.0)));
     }
-    if (const auto R_camera_object = faceAttitude(sighting.corners)) {
+    if (sighting.label.isSolid()) {
+      bearing.view.bearing_sigma = std::hypot(bearing.view.bearing_sigma, kSolidBearing * bearing.half_size);
+    } else if (const auto R_camera_object = faceAttitude(sighting.corners)) {
       bearing.R_world_object = place.T_world_camera.linear() * *R_camera_object;
     }
     seen.push_back(bearing);
@@ -162,12 +170,13 @@ Mark* ObjectMarks::find(const Bearing& seen, const std::set<std::int32_t>& taken
     const double angle = std::atan2(across.norm(), along);
     const Vector3d direction = across.norm() > 1e-9 ? Vector3d(across.normalized()) : Vector3d::UnitX();
     const double lateral = std::sqrt(direction.dot(mark.position.covariance * direction));
-    const double gate = kGate * std::hypot(kBearingSigma, lateral / range) + seen.half_size;
+    const double sigma = std::hypot(kBearingSigma, lateral / range);
+    const double gate = kGate * std::hypot(sigma, seen.view.bearing_sigma) + seen.half_size;
     double error = angle / gate;
     // A code's text says which one it is; a range may be that of something in front of the wall.
     if (seen.view.range_sigma > 0.0 && mark.label.text.empty()) {
       const double depth = std::sqrt(seen.view.d_world.dot(mark.position.covariance * seen.view.d_world));
-      const double range_gate = kGate * std::hypot(seen.view.range_sigma, depth) + config_.same_object;
+      const double range_gate = kGate * std::hypot(seen.view.range_sigma, depth) + sameWithin(mark.label);
       error = std::max(error, std::abs(range - seen.view.range) / range_gate);
     }
     if (error < least) {
@@ -225,7 +234,7 @@ bool ObjectMarks::mergeDoubles() {
     for (std::size_t j = i + 1; j < marks_.size();) {
       Mark& a = marks_[i];
       const Mark& b = marks_[j];
-      if (!(a.label == b.label) || contains(a.seen_beside, b.id) || distanceOf(a, b) > config_.same_object) {
+      if (!(a.label == b.label) || contains(a.seen_beside, b.id) || distanceOf(a, b) > sameWithin(a.label)) {
         ++j;
         continue;
       }
@@ -260,14 +269,12 @@ bool ObjectMarks::confirmSeen() {
     if (mark.by_operator || mark.state == MarkState::kDiscarded) {
       continue;
     }
-    const bool is_code = !mark.label.text.empty();
     const bool outdone = std::any_of(marks_.begin(), marks_.end(), [&](const Mark& other) {
       return other.label.kind == mark.label.kind && !(other.label == mark.label) &&
              other.state != MarkState::kDiscarded && distanceOf(other, mark) < kSamePlace &&
              std::pair(other.by_operator, other.evidence) > std::pair(false, mark.evidence);
     });
-    const int views = is_code ? config_.confirm_code_views : config_.confirm_views;
-    const bool sure = mark.views >= views && largestSigma(mark.position) <= config_.confirm_sigma;
+    const bool sure = mark.views >= viewsNeeded(mark.label) && largestSigma(mark.position) <= config_.confirm_sigma;
     const MarkState state = outdone                                       ? MarkState::kPending
                             : sure || mark.state == MarkState::kConfirmed ? MarkState::kConfirmed
                                                                           : MarkState::kPending;
@@ -275,6 +282,16 @@ bool ObjectMarks::confirmSeen() {
     mark.state = state;
   }
   return changed;
+}
+
+int ObjectMarks::viewsNeeded(const ObjectLabel& label) const {
+  return !label.text.empty() ? config_.confirm_code_views
+         : label.isSolid()   ? config_.confirm_solid_views
+                             : config_.confirm_views;
+}
+
+double ObjectMarks::sameWithin(const ObjectLabel& label) const {
+  return label.isSolid() ? config_.same_solid : config_.same_object;
 }
 
 void ObjectMarks::forget(common::Utime now) {

@@ -19,8 +19,10 @@ namespace rubble::fusion {
 struct MarksConfig {
   int confirm_views = 4;
   int confirm_code_views = 2;  ///< codes check themselves
+  int confirm_solid_views = 8;
   double confirm_sigma = 0.3;  ///< m
   double same_object = 0.3;    ///< m
+  double same_solid = 0.6;     ///< m
   double forget_after = 30.0;  ///< s
 };
 
@@ -82,6 +84,8 @@ class ObjectMarks {
   void see(Mark& mark, const PicturePlace& place, const Bearing& seen) const;
   bool mergeDoubles();
   bool confirmSeen();
+  int viewsNeeded(const ObjectLabel& label) const;
+  double sameWithin(const ObjectLabel& label) const;
   void forget(common::Utime now);
   void decide(std::int32_t id, MarkState state);
 

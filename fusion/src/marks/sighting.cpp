@@ -41,6 +41,15 @@ Vector3d centreBearing(const std::array<Vector3d, 4>& corners) {
   return crossing.dot(mean) > 0.0 ? crossing.normalized() : -crossing.normalized();
 }
 
+Vector3d footBearing(const std::array<Vector3d, 4>& corners) {
+  constexpr double kUp = 0.25;  // of the box's height
+  return (kUp * (corners[0] + corners[1]) + (1.0 - kUp) * (corners[2] + corners[3])).normalized();
+}
+
+Vector3d bearingOf(const Sighting& sighting) {
+  return sighting.label.isSolid() ? footBearing(sighting.corners) : centreBearing(sighting.corners);
+}
+
 std::optional<Matrix3d> faceAttitude(const std::array<Vector3d, 4>& corners) {
   const auto p = parallelogram(corners);
   if (!p) {

@@ -17,6 +17,8 @@ struct ObjectLabel {
   std::string text;  ///< of codes
 
   bool operator==(const ObjectLabel&) const = default;
+  /// A thing, no flat picture: its corners are those of a box around what is seen of it.
+  bool isSolid() const { return kind == "victim"; }
 };
 
 struct RangeMeasurement {
@@ -47,6 +49,13 @@ struct PicturePlace {
 
 /// Unit vector towards the middle of a planar face: where its diagonals cross.
 Eigen::Vector3d centreBearing(const std::array<Eigen::Vector3d, 4>& corners);
+
+/// Unit vector towards the place of a solid thing, which lies or sits on something: below the box's middle,
+/// above its lower edge, which is the near side's.
+Eigen::Vector3d footBearing(const std::array<Eigen::Vector3d, 4>& corners);
+
+/// Towards a sighting's place, by what it is.
+Eigen::Vector3d bearingOf(const Sighting& sighting);
 
 /// Attitude of a rectangular face, R_camera_object (x right, y up, z out of it, towards the camera), from its
 /// corners' bearings alone: the four depths follow, up to a factor, from the two sides being parallel. Empty

@@ -11,8 +11,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Of a bearing (rad): the picture's corners and the published attitude.
-constexpr double kBearingSigma = 0.01;
 /// Of the camera's place, which is alike in all views (m).
 constexpr double kPlaceSigma = 0.03;
 /// What is known before anything tells the distance (m).
@@ -34,9 +32,9 @@ struct NormalEquations {
     const double range = std::max(v.norm(), kNearest);
     // What is across the bearing, as an angle.
     const Matrix3d across = Matrix3d::Identity() - view.d_world * view.d_world.transpose();
-    const Vector3d r = across * v / (range * kBearingSigma);
+    const Vector3d r = across * v / (range * view.bearing_sigma);
     const double behind = v.dot(view.d_world) < 0.0 ? 0.1 : 1.0;
-    const double weight = behind * huberWeight(r.norm()) / std::pow(range * kBearingSigma, 2);
+    const double weight = behind * huberWeight(r.norm()) / std::pow(range * view.bearing_sigma, 2);
     H += weight * across;
     b += weight * across * v;
   }

@@ -14,6 +14,7 @@ struct MarkView {
   Eigen::Vector3d d_world = Eigen::Vector3d::UnitX();  ///< unit vector
   double range = 0.0;                                  ///< m
   double range_sigma = 0.0;                            ///< m; 0: no range
+  double bearing_sigma = 0.01;  ///< rad: the picture's corners and the published attitude
 };
 
 struct MarkPosition {

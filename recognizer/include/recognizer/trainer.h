@@ -11,7 +11,7 @@ namespace rubble::recognizer {
 struct TrainerConfig {
   int renderings = 120;  ///< of every sample
   int clutter = 6000;    ///< patches of what is no sample
-  int solids = 6000;     ///< renderings for every model of things that are not flat
+  int solids = 4500;     ///< renderings for every model of things that are not flat
 };
 
 /// Learns a vocabulary from folders of sample pictures: in each a folder per class, or a picture per class,

@@ -167,7 +167,7 @@ cv::Mat cropAnywhere(const std::vector<cv::Mat>& pictures, cv::Size size, cv::RN
       pictures[static_cast<std::size_t>(random->uniform(0, static_cast<int>(pictures.size())))];
   const double most = std::min({2.0, static_cast<double>(picture.cols) / size.width,
                                 static_cast<double>(picture.rows) / size.height});
-  const double scale = std::exp(uniform(std::log(0.5 * most), std::log(most), random));
+  const double scale = most * std::exp2(-uniform(0.0, 1.0, random));
   const int wide = std::min(picture.cols, static_cast<int>(scale * size.width));
   const int high = std::min(picture.rows, static_cast<int>(scale * size.height));
   const cv::Rect area(random->uniform(0, picture.cols - wide + 1), random->uniform(0, picture.rows - high + 1),

@@ -1,8 +1,8 @@
 #include "solids/solid_trainer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 
 #include "solids/solid_detector.h"
@@ -18,7 +18,7 @@ const cv::Size kClutterSize(480, 360);
 /// Shapes (width to height) that one model stands for: the widest to the narrowest.
 constexpr double kShapeRange = 3.0;
 /// Trees after each round; before every round what the last one takes for objects is added to the others.
-constexpr std::array kRounds = {48, 192, 384};
+constexpr std::array kRounds = {48, 160, 320};
 /// Of objects that nothing was learnt from, that the cascade may lose.
 constexpr double kLost = 0.05;
 /// One picture in so many is not learnt from, but tells what clutter reaches, in one of kReached of them.
@@ -150,7 +150,6 @@ class Trainer {
       float sum;
     };
     const std::size_t most = static_cast<std::size_t>(config_.others) / pictures_.size() + 1;
-    std::size_t all = 0;
     for (std::size_t i = 0; i < pictures_.size(); ++i) {
       if (i % kHeldOut == 0) {
         continue;
@@ -165,14 +164,12 @@ class Trainer {
                       }
                     });
       }
-      all += hard.size();
       std::stable_sort(hard.begin(), hard.end(), [](const Hard& a, const Hard& b) { return a.sum > b.sum; });
       hard.resize(std::min(hard.size(), most));
       for (const Hard& window : hard) {
         add(pyramid[window.level].channels, window.row, window.column, model, others);
       }
     }
-    std::fprintf(stderr, "hard %zu, others %zu\n", all, others->rows());
   }
 
   static void add(const Channels& channels, int row, int column, const SolidModel& model, WindowTable* table) {
@@ -202,7 +199,6 @@ class Trainer {
     }
     const auto high = best.begin() + static_cast<std::ptrdiff_t>(best.size() - 1 - best.size() / kReached);
     std::nth_element(best.begin(), high, best.end());
-    std::fprintf(stderr, "typical %.2f zero %.2f\n", static_cast<double>(model->typical), static_cast<double>(*high));
     model->zero = std::min(*high, model->typical - 1.0F);
   }
 
@@ -224,7 +220,6 @@ std::vector<SolidModel> trainSolids(const Samples& samples, const SolidTrainerCo
     Trainer trainer(samples, config);
     const std::vector<Group> groups = groupsOf(samples, i);
     for (const Group& group : groups) {
-      std::fprintf(stderr, "group %.2f %zu\n", group.shape, group.samples.size());
       models.push_back(trainer.train(group));
     }
   }
