@@ -123,7 +123,7 @@ struct Recognizer::State {
   void addSolids(const cv::Mat& picture, std::vector<Found>* found) const {
     for (const FoundSolid& solid : findSolids(picture, vocabulary->data().solids, config.smallest_solid,
                                               config.solid_score)) {
-      found->push_back({quadOf(solid.box), solid.object_class, solid.score});
+      found->push_back({quadOf(solid.box), solid.object_class, std::min(solid.score, 1.0F)});
     }
   }
 

@@ -35,7 +35,9 @@ constexpr std::array kHeights = {0.22, -0.2, 0.3, 0.6};  // m over what the doll
 constexpr float kFarthestAside = 70.0F;  // degrees from there
 constexpr float kNearest = 0.5F;         // m
 constexpr float kFarthest = 2.0F;
-constexpr int kSmallest = 26;  // px; less is hidden behind the board's edge
+// Of a portrait; less is hidden behind the board's edge.
+constexpr int kSmallest = 26;  // px
+constexpr double kShown = 0.2;
 // Arenas without victims, and pictures of each.
 constexpr std::uint64_t kFirstWorld = 101;
 constexpr int kWorlds = 15;
@@ -77,7 +79,10 @@ void writeDolls(const fs::path& folder) {
       const Viewpoint view{azimuth / 180.0 * std::numbers::pi,
                            static_cast<double>(std::exp(dice.uniform(std::log(kNearest), std::log(kFarthest)))), kHeights[i]};
       const cv::Mat portrait = studio.portrait(view);
-      if (std::min(portrait.rows, portrait.cols) >= kSmallest) {
+      cv::Mat alpha;
+      cv::extractChannel(portrait, alpha, 3);
+      const bool is_shown = cv::countNonZero(alpha == 255) > kShown * static_cast<double>(alpha.total());
+      if (is_shown && std::min(portrait.rows, portrait.cols) >= kSmallest) {
         writePicture(folder / fmt::format("doll_{:03}_{}.png", doll, i + 1), portrait);
       }
     }

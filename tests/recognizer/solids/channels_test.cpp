@@ -20,7 +20,7 @@ TEST(Channels, FollowTheDirectionOfAnEdge) {
   EXPECT_GT(edge[3], 100);
   EXPECT_GT(edge[4], 100);  // gradients along x
   EXPECT_LT(edge[7], 10);   // along y
-  EXPECT_EQ(upright.at(8, 4)[3], 0);
+  EXPECT_LT(upright.at(8, 4)[3], 10);
   const Channels level = channelsOf(picture.t());
   EXPECT_LT(level.at(8, 8)[4], 10);
   EXPECT_GT(level.at(8, 8)[7], 100);
