@@ -37,8 +37,13 @@ cv::Rect2d coveredBy(const WorldObject& victim, const common::Pose3& T_world_cam
 class Photographer {
  public:
   Photographer(const std::string& folder, std::uint64_t seed, bool with_victims, std::ofstream& boxes)
-      : folder_(folder), seed_(seed), boxes_(boxes), world_(makeWorld(configOf(with_victims), seed)),
-        sight_(world_.scene, arenaRobot().intrinsics), lens_(arenaRobot().intrinsics), views_(world_, seed) {}
+      : folder_(folder),
+        seed_(seed),
+        boxes_(boxes),
+        world_(makeWorld(configOf(with_victims), seed)),
+        sight_(world_.scene, arenaRobot().intrinsics),
+        lens_(arenaRobot().intrinsics),
+        views_(world_, seed) {}
 
   void photograph(int count) {
     std::vector<const WorldObject*> victims;
@@ -105,8 +110,9 @@ int main(int argc, char** argv) {
   app.add_option("--first", first, "Seed of the first world")->capture_default_str();
   app.add_option("--worlds", worlds, "With victims, and as many without")->capture_default_str();
   app.add_option("--pictures", pictures, "Of each")->check(CLI::PositiveNumber)->capture_default_str();
-  app.footer("Example:\n  victim_views --out views && rubble eval objects views --vocabulary "
-             "objects.vocabulary --boxes views/boxes.csv\n");
+  app.footer(
+      "Example:\n  victim_views --out views && rubble eval objects views --vocabulary "
+      "objects.vocabulary --boxes views/boxes.csv\n");
   CLI11_PARSE(app, argc, argv);
   try {
     std::ofstream boxes(out + "/boxes.csv");

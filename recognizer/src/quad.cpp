@@ -55,9 +55,7 @@ cv::Rect2f boundsOf(const Quad& quad) {
   return {left, top, right - left, bottom - top};
 }
 
-Quad quadOf(const cv::Rect2f& box) {
-  return {box.tl(), {box.br().x, box.y}, box.br(), {box.x, box.br().y}};
-}
+Quad quadOf(const cv::Rect2f& box) { return {box.tl(), {box.br().x, box.y}, box.br(), {box.x, box.br().y}}; }
 
 double containment(const cv::Rect2f& a, const cv::Rect2f& b) {
   return (a & b).area() / std::min(a.area(), b.area());

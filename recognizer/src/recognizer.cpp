@@ -121,8 +121,8 @@ struct Recognizer::State {
   }
 
   void addSolids(const cv::Mat& picture, std::vector<Found>* found) const {
-    for (const FoundSolid& solid : findSolids(picture, vocabulary->data().solids, config.smallest_solid,
-                                              config.solid_score)) {
+    for (const FoundSolid& solid :
+         findSolids(picture, vocabulary->data().solids, config.smallest_solid, config.solid_score)) {
       found->push_back({quadOf(solid.box), solid.object_class, std::min(solid.score, 1.0F)});
     }
   }

@@ -13,8 +13,9 @@ void visit(common::ConfigSection& section, RecognizerConfig& config) {
   section.number(
       "score", config.score, "", 0.0, 1.0,
       "from which on an object is reported: above what one in a hundred patches of clutter reaches");
-  section.number("smallest_solid", config.smallest_solid, "px", 16.0, 1000.0,
-                 "of things that are not flat (victims): root of the box's area from which they are looked for");
+  section.number(
+      "smallest_solid", config.smallest_solid, "px", 16.0, 1000.0,
+      "of things that are not flat (victims): root of the box's area from which they are looked for");
   section.number("solid_score", config.solid_score, "", 0.0, 1.0,
                  "from which on a thing that is not flat is reported; half of them reach 0.5");
 }

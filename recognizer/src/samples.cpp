@@ -131,7 +131,8 @@ Quad largestOutline(const std::vector<cv::Mat>& pictures, const Quad& whole) {
 }
 
 SamplePicture inPicture(const cv::Mat& picture) {
-  SamplePicture sample{picture, largestOutline({picture, cutOut(picture)}, wholeOf(cv::Rect({0, 0}, picture.size()))),
+  SamplePicture sample{picture,
+                       largestOutline({picture, cutOut(picture)}, wholeOf(cv::Rect({0, 0}, picture.size()))),
                        cv::Mat::zeros(picture.size(), CV_8UC1)};
   const std::vector<cv::Point> corners(sample.outline.begin(), sample.outline.end());
   cv::fillConvexPoly(sample.alpha, corners, cv::Scalar::all(255), cv::LINE_AA);

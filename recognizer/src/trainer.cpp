@@ -74,9 +74,8 @@ float highScore(const Eigen::MatrixXf& patches, const AppearanceModel& model,
 
 Samples withoutSolids(const Samples& all) {
   Samples flat{all.classes, {}, {}};
-  std::copy_if(all.views.begin(), all.views.end(), std::back_inserter(flat.views), [&](const Samples::View& view) {
-    return all.classes[view.object_class].kind != kSolidKind;
-  });
+  std::copy_if(all.views.begin(), all.views.end(), std::back_inserter(flat.views),
+               [&](const Samples::View& view) { return all.classes[view.object_class].kind != kSolidKind; });
   return flat;
 }
 

@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "scene/mesh.h"
 #include "scene/canvas.h"
+#include "scene/mesh.h"
 #include "scene/victim.h"
 #include "sensors/camera_model.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kPixels = 208;  // Of a square picture; its lens has no distortion.
+constexpr int kPixels = 208;                 // Of a square picture; its lens has no distortion.
 constexpr double kFocalPerDistance = 250.0;  // px/m: dolls are as large from anywhere.
 constexpr double kCentre = 0.5 * (kPixels - 1);
 constexpr double kLookAt = 0.1;  // m, height over the ground.
@@ -51,9 +51,10 @@ void addRoom(const Appearance& look, std::vector<Surface>* surfaces) {
   const common::Pose3 floor(Eigen::Translation3d(0.0, 0.0, kFloor));
   surfaces->push_back(makePicture(floor, {kSide, kSide}, look));
   for (int wall = 0; wall < 4; ++wall) {
-    const common::Pose3 T = common::Pose3(Eigen::AngleAxisd(0.5 * wall * std::numbers::pi, Vector3d::UnitZ())) *
-                            Eigen::Translation3d(0.0, 0.5 * kSide, kFloor + 0.5 * kSide) *
-                            Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX());
+    const common::Pose3 T =
+        common::Pose3(Eigen::AngleAxisd(0.5 * wall * std::numbers::pi, Vector3d::UnitZ())) *
+        Eigen::Translation3d(0.0, 0.5 * kSide, kFloor + 0.5 * kSide) *
+        Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX());
     surfaces->push_back(makePicture(T, {kSide, kSide}, look));
   }
 }

@@ -12,14 +12,14 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::uint32_t kStream = 40;
-constexpr double kClearance = 0.3;    // m, of the robot's middle
-constexpr double kPause = 10.0;       // s from one picture to the next
-constexpr double kTilt = 0.04;        // rad, of the robot: ground is not quite flat
-constexpr double kLift = 0.12;        // m
-constexpr double kOffCentre = 0.35;   // rad, that the robot looks past an object
+constexpr double kClearance = 0.3;     // m, of the robot's middle
+constexpr double kPause = 10.0;        // s from one picture to the next
+constexpr double kTilt = 0.04;         // rad, of the robot: ground is not quite flat
+constexpr double kLift = 0.12;         // m
+constexpr double kOffCentre = 0.35;    // rad, that the robot looks past an object
 constexpr double kFarthestSide = 1.3;  // rad, from the object's y axis to the robot
-constexpr double kTurning = 0.4;      // rad/s
-constexpr double kDriving = 0.3;      // m/s
+constexpr double kTurning = 0.4;       // rad/s
+constexpr double kDriving = 0.3;       // m/s
 
 }  // namespace
 
@@ -48,9 +48,8 @@ std::optional<common::Pose3> RobotViews::towards(const WorldObject& object, doub
   constexpr int kAttempts = 50;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const double side = random_.sign() * random_.uniform(0.0, kFarthestSide);
-    const Eigen::Vector3d direction =
-        object.T_world_object.linear() *
-        Eigen::Vector3d(std::sin(side), random_.sign() * std::cos(side), 0.0);
+    const Eigen::Vector3d direction = object.T_world_object.linear() *
+                                      Eigen::Vector3d(std::sin(side), random_.sign() * std::cos(side), 0.0);
     const Vector2d p = target.head<2>() + distance * direction.head<2>();
     if (clearance_.clearance(p) >= kClearance) {
       const Vector2d ahead = target.head<2>() - p;
@@ -78,10 +77,9 @@ cv::Mat RobotViews::take(const common::Pose3& T_world_camera) {
 /// A camera over p.
 common::Pose3 RobotViews::cameraAt(const Vector2d& p, double yaw) {
   common::Pose3 T = common::pose3FromPose2({p.x(), p.y(), yaw}, random_.uniform(0.0, kLift));
-  T.linear() = T.linear() *
-               (Eigen::AngleAxisd(random_.uniform(-kTilt, kTilt), Eigen::Vector3d::UnitY()) *
-                Eigen::AngleAxisd(random_.uniform(-kTilt, kTilt), Eigen::Vector3d::UnitX()))
-                   .toRotationMatrix();
+  T.linear() = T.linear() * (Eigen::AngleAxisd(random_.uniform(-kTilt, kTilt), Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(random_.uniform(-kTilt, kTilt), Eigen::Vector3d::UnitX()))
+                                .toRotationMatrix();
   common::Pose3 T_body_camera = robot_.T_body_camera();
   T_body_camera.translation().head<2>().setZero();
   return T * T_body_camera;

@@ -76,8 +76,9 @@ void writeDolls(const fs::path& folder) {
     for (std::size_t i = 0; i < kHeights.size(); ++i) {
       const double side = dice.chance(0.5) ? 90.0 : -90.0;
       const double azimuth = side + static_cast<double>(dice.uniform(-kFarthestAside, kFarthestAside));
-      const Viewpoint view{azimuth / 180.0 * std::numbers::pi,
-                           static_cast<double>(std::exp(dice.uniform(std::log(kNearest), std::log(kFarthest)))), kHeights[i]};
+      const Viewpoint view{
+          azimuth / 180.0 * std::numbers::pi,
+          static_cast<double>(std::exp(dice.uniform(std::log(kNearest), std::log(kFarthest)))), kHeights[i]};
       const cv::Mat portrait = studio.portrait(view);
       cv::Mat alpha;
       cv::extractChannel(portrait, alpha, 3);
@@ -97,7 +98,8 @@ void writeBackgrounds(const fs::path& folder) {
     RobotViews views(makeWorld(config, seed), seed);
     for (int i = 0; i < kPicturesOfWorld; ++i) {
       const fs::path path = folder / fmt::format("world_{}_{}.jpg", seed, i + 1);
-      if (!cv::imwrite(path.string(), views.take(views.anywhere()), {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
+      if (!cv::imwrite(path.string(), views.take(views.anywhere()),
+                       {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
         throw common::Error(fmt::format("{}: cannot be written", path.string()));
       }
     }

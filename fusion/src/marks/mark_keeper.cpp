@@ -195,9 +195,9 @@ std::vector<Sighting> MarkKeeper::sightingsOf(const rubble::detections_t& messag
     sighting.width = detection.width;
     sighting.height = detection.height;
     if (scan != nullptr) {
-      sighting.lidar = rangeAlong(place.T_world_camera.translation(),
-                                  place.T_world_camera.linear() * bearingOf(sighting), *scan,
-                                  place.T_world_camera * fusion_.T_camera_lidar(place.utime));
+      sighting.lidar =
+          rangeAlong(place.T_world_camera.translation(), place.T_world_camera.linear() * bearingOf(sighting),
+                     *scan, place.T_world_camera * fusion_.T_camera_lidar(place.utime));
       if (sighting.lidar && sighting.label.isSolid()) {
         sighting.lidar->sigma = std::hypot(sighting.lidar->sigma, kSolidDepth);
       }

@@ -274,7 +274,8 @@ bool ObjectMarks::confirmSeen() {
              other.state != MarkState::kDiscarded && distanceOf(other, mark) < kSamePlace &&
              std::pair(other.by_operator, other.evidence) > std::pair(false, mark.evidence);
     });
-    const bool sure = mark.views >= viewsNeeded(mark.label) && largestSigma(mark.position) <= config_.confirm_sigma;
+    const bool sure =
+        mark.views >= viewsNeeded(mark.label) && largestSigma(mark.position) <= config_.confirm_sigma;
     const MarkState state = outdone                                       ? MarkState::kPending
                             : sure || mark.state == MarkState::kConfirmed ? MarkState::kConfirmed
                                                                           : MarkState::kPending;

@@ -23,7 +23,10 @@ constexpr float kIdle = 0.1F;
 class Booster {
  public:
   Booster(const WindowTable& objects, const WindowTable& others)
-      : width_(objects.width), objects_(objects.rows()), rows_(objects.rows() + others.rows()), random_(kSeed) {
+      : width_(objects.width),
+        objects_(objects.rows()),
+        rows_(objects.rows() + others.rows()),
+        random_(kSeed) {
     columns_.resize(width_ * rows_);
     for (std::size_t i = 0; i < rows_; ++i) {
       const auto row = i < objects_ ? objects.row(i) : others.row(i - objects_);
@@ -203,7 +206,8 @@ void setCascade(const WindowTable& objects, double share, BoostedTrees* trees) {
   for (std::size_t i = 0; i < objects.rows(); ++i) {
     finals.push_back(sumOf(*trees, objects.row(i)));
   }
-  const auto weakest = finals.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(finals.size()));
+  const auto weakest =
+      finals.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(finals.size()));
   std::vector<float> sorted = finals;
   const auto nth = sorted.begin() + (weakest - finals.begin());
   std::nth_element(sorted.begin(), nth, sorted.end());

@@ -16,9 +16,9 @@ struct BoostedTrees {
   static constexpr int kLeaves = 1 << kDepth;
 
   struct Tree {
-    std::array<std::uint16_t, kNodes> features;     ///< index into the window's values
-    std::array<std::uint8_t, kNodes> thresholds;    ///< children of node i: 2 i + 1 where below, else 2 i + 2
-    std::array<std::uint8_t, 3> padding{};  ///< trees are stored as they are
+    std::array<std::uint16_t, kNodes> features;   ///< index into the window's values
+    std::array<std::uint8_t, kNodes> thresholds;  ///< children of node i: 2 i + 1 where below, else 2 i + 2
+    std::array<std::uint8_t, 3> padding{};        ///< trees are stored as they are
     std::array<float, kLeaves> leaves;
     float least = 0.0F;  ///< a sum lower than this after this tree is no object
   };

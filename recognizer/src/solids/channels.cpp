@@ -72,8 +72,8 @@ std::vector<Histogram> histogramsOf(const cv::Mat& grey) {
     for (int x = 0; x < grey.cols; ++x) {
       const int dx = row[std::min(x + 1, grey.cols - 1)] - row[std::max(x - 1, 0)];
       const int dy = below[x] - above[x];
-      const Gradient& gradient = table[static_cast<std::size_t>((dy + 256) / kGradientStep * kGradientEntries +
-                                                                (dx + 256) / kGradientStep)];
+      const Gradient& gradient = table[static_cast<std::size_t>(
+          (dy + 256) / kGradientStep * kGradientEntries + (dx + 256) / kGradientStep)];
       Histogram& cell = cells[x / kCellSide];
       const float first = gradient.strength * gradient.first_share;
       cell[gradient.first] += first;
@@ -111,7 +111,8 @@ Channels channelsOf(const cv::Mat& picture) {
     }
   }
   cv::Mat surroundings;
-  cv::boxFilter(levels, surroundings, -1, {kSurroundings, kSurroundings}, {-1, -1}, true, cv::BORDER_REPLICATE);
+  cv::boxFilter(levels, surroundings, -1, {kSurroundings, kSurroundings}, {-1, -1}, true,
+                cv::BORDER_REPLICATE);
 
   std::uint8_t* out = channels.values.data();
   for (int row = 0; row < channels.rows; ++row) {

@@ -24,8 +24,8 @@ struct Channels {
   }
 };
 
-/// `picture`: CV_8UC3 (BGR), both sides multiples of kCellSide. Brightness and gradients are relative to their
-/// surroundings' of some cells, chroma to the brightness: light may change.
+/// `picture`: CV_8UC3 (BGR), both sides multiples of kCellSide. Brightness and gradients are relative to
+/// their surroundings' of some cells, chroma to the brightness: light may change.
 Channels channelsOf(const cv::Mat& picture);
 
 }  // namespace rubble::recognizer

@@ -14,8 +14,8 @@ constexpr double kLevelsPerOctave = 4.0;
 constexpr int kBorder = 2 * kCellSide;  // px, at every level
 constexpr int kSmallestLevel = 12;      // cells
 // Of one object, of two boxes.
-constexpr double kOverlap = 0.25;
-constexpr double kContainment = 0.6;
+constexpr double kOverlap = 0.15;
+constexpr double kContainment = 0.3;
 
 /// Trees whose features are offsets into one level's channels.
 struct PlacedTree {
@@ -90,7 +90,8 @@ std::vector<PyramidLevel> makePyramid(const cv::Mat& picture, double smallest_si
     }
     // An octave's levels are made of the last octave's: less to read.
     cv::Mat level;
-    cv::resize(source, level, size, 0.0, 0.0, 2 * size.width == source.cols ? cv::INTER_AREA : cv::INTER_LINEAR);
+    cv::resize(source, level, size, 0.0, 0.0,
+               2 * size.width == source.cols ? cv::INTER_AREA : cv::INTER_LINEAR);
     if (2 * size.width <= source.cols) {
       source = level;
     }
@@ -124,7 +125,8 @@ std::vector<FoundSolid> findSolids(const cv::Mat& picture, const std::vector<Sol
   std::vector<FoundSolid> best;
   for (const FoundSolid& found : all) {
     if (std::none_of(best.begin(), best.end(), [&](const FoundSolid& better) {
-          return overlap(found.box, better.box) > kOverlap || containment(found.box, better.box) > kContainment;
+          return overlap(found.box, better.box) > kOverlap ||
+                 containment(found.box, better.box) > kContainment;
         })) {
       best.push_back(found);
     }

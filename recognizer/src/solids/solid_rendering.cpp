@@ -165,13 +165,13 @@ cv::Mat renderSolid(const CutOut& sample, const cv::Mat& background, cv::Size wi
 cv::Mat cropAnywhere(const std::vector<cv::Mat>& pictures, cv::Size size, cv::RNG* random) {
   const cv::Mat& picture =
       pictures[static_cast<std::size_t>(random->uniform(0, static_cast<int>(pictures.size())))];
-  const double most = std::min({2.0, static_cast<double>(picture.cols) / size.width,
-                                static_cast<double>(picture.rows) / size.height});
+  const double most = std::min(
+      {2.0, static_cast<double>(picture.cols) / size.width, static_cast<double>(picture.rows) / size.height});
   const double scale = most * std::exp2(-uniform(0.0, 1.0, random));
   const int wide = std::min(picture.cols, static_cast<int>(scale * size.width));
   const int high = std::min(picture.rows, static_cast<int>(scale * size.height));
-  const cv::Rect area(random->uniform(0, picture.cols - wide + 1), random->uniform(0, picture.rows - high + 1),
-                      wide, high);
+  const cv::Rect area(random->uniform(0, picture.cols - wide + 1),
+                      random->uniform(0, picture.rows - high + 1), wide, high);
   cv::Mat piece;
   cv::resize(picture(area), piece, size, 0.0, 0.0, scale > 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
   return piece;

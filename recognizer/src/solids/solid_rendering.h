@@ -18,8 +18,8 @@ struct CutOut {
 };
 CutOut cutOut(const SamplePicture& sample);
 
-/// The sample before a background as a window of `window` pixels with kRenderedMargin cells around it: a little
-/// off its place, turned, mirrored, in other light, partly hidden. `background`: at least as large.
+/// The sample before a background as a window of `window` pixels with kRenderedMargin cells around it: a
+/// little off its place, turned, mirrored, in other light, partly hidden. `background`: at least as large.
 cv::Mat renderSolid(const CutOut& sample, const cv::Mat& background, cv::Size window, cv::RNG* random);
 
 /// A piece of one of the pictures, `size` pixels, at a random scale.

@@ -137,7 +137,8 @@ class Trainer {
     const int margin = 2 * kRenderedMargin;
     const cv::Size size((model.columns + margin) * kCellSide, (model.rows + margin) * kCellSide);
     for (int i = 0; i < config_.others; ++i) {
-      add(channelsOf(cropAnywhere(pictures_, size, &random_)), kRenderedMargin, kRenderedMargin, model, &table);
+      add(channelsOf(cropAnywhere(pictures_, size, &random_)), kRenderedMargin, kRenderedMargin, model,
+          &table);
     }
     return table;
   }
@@ -157,12 +158,11 @@ class Trainer {
       const std::vector<PyramidLevel>& pyramid = pyramids_[i];
       std::vector<Hard> hard;
       for (std::size_t level = 0; level < pyramid.size(); ++level) {
-        scanWindows(pyramid[level].channels, model,
-                    [&](int row, int column, float sum) {
-                      if (sum > kHard) {
-                        hard.push_back({level, row, column, sum});
-                      }
-                    });
+        scanWindows(pyramid[level].channels, model, [&](int row, int column, float sum) {
+          if (sum > kHard) {
+            hard.push_back({level, row, column, sum});
+          }
+        });
       }
       std::stable_sort(hard.begin(), hard.end(), [](const Hard& a, const Hard& b) { return a.sum > b.sum; });
       hard.resize(std::min(hard.size(), most));
@@ -172,7 +172,8 @@ class Trainer {
     }
   }
 
-  static void add(const Channels& channels, int row, int column, const SolidModel& model, WindowTable* table) {
+  static void add(const Channels& channels, int row, int column, const SolidModel& model,
+                  WindowTable* table) {
     for (int i = 0; i < model.rows; ++i) {
       const std::uint8_t* begin = channels.at(row + i, column);
       table->values.insert(table->values.end(), begin, begin + model.columns * kChannels);
@@ -194,7 +195,8 @@ class Trainer {
     for (std::size_t i = 0; i < pictures_.size(); i += kHeldOut) {
       best.push_back(-1.0F);
       for (const PyramidLevel& level : pyramids_[i]) {
-        scanWindows(level.channels, *model, [&](int, int, float sum) { best.back() = std::max(best.back(), sum); });
+        scanWindows(level.channels, *model,
+                    [&](int, int, float sum) { best.back() = std::max(best.back(), sum); });
       }
     }
     const auto high = best.begin() + static_cast<std::ptrdiff_t>(best.size() - 1 - best.size() / kReached);

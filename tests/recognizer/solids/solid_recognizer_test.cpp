@@ -88,7 +88,9 @@ TEST_F(DollRecognizer, FindsADollInOtherClothesFromNearAndFar) {
     ASSERT_EQ(detections.size(), 1U) << scale;
     EXPECT_EQ(detections[0].class_name, "doll");
     EXPECT_EQ(detections[0].kind, "victim");
-    const auto far = [&](double x, double y) { return static_cast<float>(scale * x) + static_cast<float>(y); };
+    const auto far = [&](double x, double y) {
+      return static_cast<float>(scale * x) + static_cast<float>(y);
+    };
     const cv::Rect2f truth(far(9, 220), far(20, 200), far(180, 0), far(60, 0));
     EXPECT_GT(overlap(boundsOf(detections[0].quad), truth), 0.4F) << scale;
     EXPECT_TRUE(recognise(picture, false).empty());
