@@ -23,6 +23,9 @@ constexpr double kSharpSide = 70.0;  // px; smaller ones are cut from the larger
 constexpr double kOverlap = 0.3;
 constexpr double kContainment = 0.6;
 
+/// Share of a solid thing's box from which on a label in it is what was taken for it.
+constexpr float kExplained = 0.25F;
+
 struct Found {
   Quad quad;
   std::uint32_t object_class = 0;
@@ -61,6 +64,10 @@ Pictures picturesOf(const cv::Mat& picture, const orb::Features& features) {
                pictures.scale < 1.0F ? cv::INTER_AREA : cv::INTER_LINEAR);
   }
   return pictures;
+}
+
+bool explains(const Quad& label, const cv::Rect2f& box) {
+  return (boundsOf(label) & box).area() > kExplained * box.area();
 }
 
 }  // namespace
@@ -120,10 +127,16 @@ struct Recognizer::State {
     return Found{turned(scaled(candidate, sizes[best]), likenesses[best].quarters), object_class, score};
   }
 
-  void addSolids(const cv::Mat& picture, std::vector<Found>* found) const {
+  /// What is not flat, unless labels explain it: these are told from clutter more reliably.
+  void addSolids(const cv::Mat& picture, std::vector<Detection>* detections) const {
+    const std::vector<Detection> labels = *detections;
     for (const FoundSolid& solid :
          findSolids(picture, vocabulary->data().solids, config.smallest_solid, config.solid_score)) {
-      found->push_back({quadOf(solid.box), solid.object_class, std::min(solid.score, 1.0F)});
+      if (std::none_of(labels.begin(), labels.end(),
+                       [&](const Detection& label) { return explains(label.quad, solid.box); })) {
+        detections->push_back(
+            detectionOf({quadOf(solid.box), solid.object_class, std::min(solid.score, 1.0F)}));
+      }
     }
   }
 
@@ -154,9 +167,6 @@ std::vector<Detection> Recognizer::recognise(const orb::Features& features, cons
       found.push_back(*object);
     }
   }
-  if (with_solids) {
-    state_->addSolids(pictures.small, &found);
-  }
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.score > b.score; });
   std::vector<Detection> detections;
@@ -168,6 +178,9 @@ std::vector<Detection> Recognizer::recognise(const orb::Features& features, cons
         })) {
       detections.push_back(state_->detectionOf(object));
     }
+  }
+  if (with_solids) {
+    state_->addSolids(pictures.small, &detections);
   }
   return detections;
 }

@@ -17,7 +17,7 @@ constexpr double kPause = 10.0;        // s from one picture to the next
 constexpr double kTilt = 0.04;         // rad, of the robot: ground is not quite flat
 constexpr double kLift = 0.12;         // m
 constexpr double kOffCentre = 0.35;    // rad, that the robot looks past an object
-constexpr double kFarthestSide = 1.3;  // rad, from the object's y axis to the robot
+constexpr double kFarthestSide = 1.3;  // rad, from a victim's y axis or a picture's front to the robot
 constexpr double kTurning = 0.4;       // rad/s
 constexpr double kDriving = 0.3;       // m/s
 
@@ -48,8 +48,11 @@ std::optional<common::Pose3> RobotViews::towards(const WorldObject& object, doub
   constexpr int kAttempts = 50;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const double side = random_.sign() * random_.uniform(0.0, kFarthestSide);
-    const Eigen::Vector3d direction = object.T_world_object.linear() *
-                                      Eigen::Vector3d(std::sin(side), random_.sign() * std::cos(side), 0.0);
+    // A picture shows its front only, a victim both sides.
+    const Eigen::Vector3d in_object =
+        object.kind == "victim" ? Eigen::Vector3d(std::sin(side), random_.sign() * std::cos(side), 0.0)
+                                : Eigen::Vector3d(std::sin(side), 0.0, std::cos(side));
+    const Eigen::Vector3d direction = object.T_world_object.linear() * in_object;
     const Vector2d p = target.head<2>() + distance * direction.head<2>();
     if (clearance_.clearance(p) >= kClearance) {
       const Vector2d ahead = target.head<2>() - p;

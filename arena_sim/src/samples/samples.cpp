@@ -29,6 +29,7 @@ constexpr std::uint8_t kOutside = 150;  // Grey where nothing is.
 /// Their seeds count from 0; those of missions are random ones of 64 bits.
 constexpr std::uint64_t kDolls = 90;
 constexpr std::uint64_t kDollStream = 51;
+constexpr std::uint64_t kSignStream = 52;
 /// As from a robot: of a doll on the floor, in a box on a shelf, from a ramp or the platform.
 constexpr std::array kHeights = {0.22, -0.2, 0.3, 0.6};  // m over what the doll lies on
 /// Dolls lie along a wall, so they are seen from a side.
@@ -42,6 +43,7 @@ constexpr double kShown = 0.2;
 constexpr std::uint64_t kFirstWorld = 101;
 constexpr int kWorlds = 15;
 constexpr int kPicturesOfWorld = 4;
+constexpr int kSignsOfWorld = 4;  // Seen from near: large, colourful clutter.
 constexpr int kJpegQuality = 75;
 
 /// The label with what its background shows through as its transparency.
@@ -69,6 +71,11 @@ void writePicture(const fs::path& path, const cv::Mat& picture) {
   }
 }
 
+/// m
+double farAway(Dice& dice) {
+  return static_cast<double>(std::exp(dice.uniform(std::log(kNearest), std::log(kFarthest))));
+}
+
 void writeDolls(const fs::path& folder) {
   for (std::uint64_t doll = 0; doll < kDolls; ++doll) {
     const DollStudio studio(doll);
@@ -76,9 +83,7 @@ void writeDolls(const fs::path& folder) {
     for (std::size_t i = 0; i < kHeights.size(); ++i) {
       const double side = dice.chance(0.5) ? 90.0 : -90.0;
       const double azimuth = side + static_cast<double>(dice.uniform(-kFarthestAside, kFarthestAside));
-      const Viewpoint view{
-          azimuth / 180.0 * std::numbers::pi,
-          static_cast<double>(std::exp(dice.uniform(std::log(kNearest), std::log(kFarthest)))), kHeights[i]};
+      const Viewpoint view{azimuth / 180.0 * std::numbers::pi, farAway(dice), kHeights[i]};
       const cv::Mat portrait = studio.portrait(view);
       cv::Mat alpha;
       cv::extractChannel(portrait, alpha, 3);
@@ -90,17 +95,27 @@ void writeDolls(const fs::path& folder) {
   }
 }
 
-/// What a robot sees where no victim is.
+void writeBackground(const fs::path& path, const cv::Mat& picture) {
+  if (!cv::imwrite(path.string(), picture, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
+    throw common::Error(fmt::format("{}: cannot be written", path.string()));
+  }
+}
+
+/// What a robot sees where no victim is: anything, and labels and codes from near.
 void writeBackgrounds(const fs::path& folder) {
   WorldConfig config;
   config.victims = 0;
   for (std::uint64_t seed = kFirstWorld; seed < kFirstWorld + kWorlds; ++seed) {
-    RobotViews views(makeWorld(config, seed), seed);
+    const World world = makeWorld(config, seed);
+    RobotViews views(world, seed);
     for (int i = 0; i < kPicturesOfWorld; ++i) {
-      const fs::path path = folder / fmt::format("world_{}_{}.jpg", seed, i + 1);
-      if (!cv::imwrite(path.string(), views.take(views.anywhere()),
-                       {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
-        throw common::Error(fmt::format("{}: cannot be written", path.string()));
+      writeBackground(folder / fmt::format("world_{}_{}.jpg", seed, i + 1), views.take(views.anywhere()));
+    }
+    Dice dice(seed, kSignStream);
+    for (int i = 0; i < kSignsOfWorld; ++i) {
+      const auto& sign = world.objects[static_cast<std::size_t>(dice.below(static_cast<int>(world.objects.size())))];
+      if (const auto pose = views.towards(sign, farAway(dice))) {
+        writeBackground(folder / fmt::format("sign_{}_{}.jpg", seed, i + 1), views.take(*pose));
       }
     }
   }

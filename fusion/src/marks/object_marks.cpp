@@ -170,8 +170,9 @@ Mark* ObjectMarks::find(const Bearing& seen, const std::set<std::int32_t>& taken
     const double angle = std::atan2(across.norm(), along);
     const Vector3d direction = across.norm() > 1e-9 ? Vector3d(across.normalized()) : Vector3d::UnitX();
     const double lateral = std::sqrt(direction.dot(mark.position.covariance * direction));
-    const double sigma = std::hypot(kBearingSigma, lateral / range);
-    const double gate = kGate * std::hypot(sigma, seen.view.bearing_sigma) + seen.half_size;
+    const double wander = mark.label.isSolid() ? seen.view.bearing_sigma : 0.0;
+    const double gate =
+        kGate * std::hypot(std::hypot(kBearingSigma, lateral / range), wander) + seen.half_size;
     double error = angle / gate;
     // A code's text says which one it is; a range may be that of something in front of the wall.
     if (seen.view.range_sigma > 0.0 && mark.label.text.empty()) {

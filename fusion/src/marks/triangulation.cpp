@@ -48,14 +48,6 @@ struct NormalEquations {
     H += weight * direction * direction.transpose();
     b += weight * r * direction;
   }
-
-  /// Along the bearing, not behind the camera.
-  void addPrior(const MarkView& view, const Vector3d& p) {
-    const Vector3d& d = view.d_world;
-    const double weight = 1.0 / (kUsualRangeSigma * kUsualRangeSigma);
-    H += weight * d * d.transpose();
-    b += weight * (d.dot(p - view.p_world_camera) - kUsualRange) * d;
-  }
 };
 
 NormalEquations equationsAt(std::span<const MarkView> views, const Vector3d& p) {
@@ -69,7 +61,7 @@ NormalEquations equationsAt(std::span<const MarkView> views, const Vector3d& p) 
       equations.addRange(view, view.range, alike * view.range_sigma, p);
     }
   }
-  equations.addPrior(views.front(), p);
+  equations.addRange(views.front(), kUsualRange, kUsualRangeSigma, p);
   return equations;
 }
 
