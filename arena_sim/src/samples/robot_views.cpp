@@ -44,16 +44,31 @@ common::Pose3 RobotViews::anywhere() {
 }
 
 std::optional<common::Pose3> RobotViews::towards(const WorldObject& object, double distance) {
-  const Eigen::Vector3d target = object.T_world_object.translation();
+  const Eigen::Matrix3d R = object.T_world_object.linear();
+  return around(object.T_world_object.translation(), distance, [&](double side) -> Eigen::Vector3d {
+    return R * Eigen::Vector3d(std::sin(side), random_.sign() * std::cos(side), 0.0);
+  });
+}
+
+std::optional<common::Pose3> RobotViews::before(const Surface& picture, double distance) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const Surface::Vertex& vertex : picture.vertices) {
+    sum += vertex.p_world;
+  }
+  const Eigen::Vector3d middle = sum.cast<double>() / static_cast<double>(picture.vertices.size());
+  const Eigen::Vector3d front = picture.vertices.front().normal.cast<double>();
+  return around(middle, distance, [&](double side) -> Eigen::Vector3d {
+    return Eigen::AngleAxisd(side, Eigen::Vector3d::UnitZ()) * front;
+  });
+}
+
+std::optional<common::Pose3> RobotViews::around(
+    const Eigen::Vector3d& target, double distance,
+    const std::function<Eigen::Vector3d(double side)>& direction_at) {
   constexpr int kAttempts = 50;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const double side = random_.sign() * random_.uniform(0.0, kFarthestSide);
-    // A picture shows its front only, a victim both sides.
-    const Eigen::Vector3d in_object =
-        object.kind == "victim" ? Eigen::Vector3d(std::sin(side), random_.sign() * std::cos(side), 0.0)
-                                : Eigen::Vector3d(std::sin(side), 0.0, std::cos(side));
-    const Eigen::Vector3d direction = object.T_world_object.linear() * in_object;
-    const Vector2d p = target.head<2>() + distance * direction.head<2>();
+    const Vector2d p = target.head<2>() + distance * direction_at(side).head<2>();
     if (clearance_.clearance(p) >= kClearance) {
       const Vector2d ahead = target.head<2>() - p;
       return cameraAt(p, std::atan2(ahead.y(), ahead.x()) + random_.uniform(-kOffCentre, kOffCentre));

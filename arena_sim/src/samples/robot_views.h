@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -20,10 +21,15 @@ class RobotViews {
   common::Pose3 anywhere();
   /// T_world_camera: `distance` m from an object, looking about there. Empty: it stands too close to walls.
   std::optional<common::Pose3> towards(const WorldObject& object, double distance);
+  /// T_world_camera: `distance` m from a flat picture in the world, before its front.
+  std::optional<common::Pose3> before(const Surface& picture, double distance);
   /// 8UC3 BGR.
   cv::Mat take(const common::Pose3& T_world_camera);
 
  private:
+  /// T_world_camera: looking about at `target`. `direction_at`: from there to the robot, by an angle.
+  std::optional<common::Pose3> around(const Eigen::Vector3d& target, double distance,
+                                      const std::function<Eigen::Vector3d(double side)>& direction_at);
   common::Pose3 cameraAt(const Eigen::Vector2d& p, double yaw);
 
   const common::RobotConfig robot_;

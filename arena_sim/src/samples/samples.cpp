@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
+#include <vector>
 
 #include "common/error.h"
 #include "common/files.h"
@@ -29,7 +30,7 @@ constexpr std::uint8_t kOutside = 150;  // Grey where nothing is.
 /// Their seeds count from 0; those of missions are random ones of 64 bits.
 constexpr std::uint64_t kDolls = 90;
 constexpr std::uint64_t kDollStream = 51;
-constexpr std::uint64_t kSignStream = 52;
+constexpr std::uint64_t kNearStream = 52;
 /// As from a robot: of a doll on the floor, in a box on a shelf, from a ramp or the platform.
 constexpr std::array kHeights = {0.22, -0.2, 0.3, 0.6};  // m over what the doll lies on
 /// Dolls lie along a wall, so they are seen from a side.
@@ -43,7 +44,7 @@ constexpr double kShown = 0.2;
 constexpr std::uint64_t kFirstWorld = 101;
 constexpr int kWorlds = 15;
 constexpr int kPicturesOfWorld = 4;
-constexpr int kSignsOfWorld = 4;  // Seen from near: large, colourful clutter.
+constexpr int kNearOfWorld = 6;  // Of a label, a code or a poster.
 constexpr int kJpegQuality = 75;
 
 /// The label with what its background shows through as its transparency.
@@ -72,7 +73,7 @@ void writePicture(const fs::path& path, const cv::Mat& picture) {
 }
 
 /// m
-double farAway(Dice& dice) {
+double distanceFrom(Dice& dice) {
   return static_cast<double>(std::exp(dice.uniform(std::log(kNearest), std::log(kFarthest))));
 }
 
@@ -83,7 +84,7 @@ void writeDolls(const fs::path& folder) {
     for (std::size_t i = 0; i < kHeights.size(); ++i) {
       const double side = dice.chance(0.5) ? 90.0 : -90.0;
       const double azimuth = side + static_cast<double>(dice.uniform(-kFarthestAside, kFarthestAside));
-      const Viewpoint view{azimuth / 180.0 * std::numbers::pi, farAway(dice), kHeights[i]};
+      const Viewpoint view{azimuth / 180.0 * std::numbers::pi, distanceFrom(dice), kHeights[i]};
       const cv::Mat portrait = studio.portrait(view);
       cv::Mat alpha;
       cv::extractChannel(portrait, alpha, 3);
@@ -101,7 +102,18 @@ void writeBackground(const fs::path& path, const cv::Mat& picture) {
   }
 }
 
-/// What a robot sees where no victim is: anything, and labels and codes from near.
+/// Labels, codes and posters.
+std::vector<const Surface*> picturesOf(const Scene& scene) {
+  std::vector<const Surface*> pictures;
+  for (const Surface& surface : scene.surfaces) {
+    if (surface.appearance.picture) {
+      pictures.push_back(&surface);
+    }
+  }
+  return pictures;
+}
+
+/// What a robot sees where no victim is: anything, and from near what is colourful.
 void writeBackgrounds(const fs::path& folder) {
   WorldConfig config;
   config.victims = 0;
@@ -111,11 +123,13 @@ void writeBackgrounds(const fs::path& folder) {
     for (int i = 0; i < kPicturesOfWorld; ++i) {
       writeBackground(folder / fmt::format("world_{}_{}.jpg", seed, i + 1), views.take(views.anywhere()));
     }
-    Dice dice(seed, kSignStream);
-    for (int i = 0; i < kSignsOfWorld; ++i) {
-      const auto& sign = world.objects[static_cast<std::size_t>(dice.below(static_cast<int>(world.objects.size())))];
-      if (const auto pose = views.towards(sign, farAway(dice))) {
-        writeBackground(folder / fmt::format("sign_{}_{}.jpg", seed, i + 1), views.take(*pose));
+    Dice dice(seed, kNearStream);
+    const std::vector<const Surface*> pictures = picturesOf(world.scene);
+    for (int i = 0; i < kNearOfWorld; ++i) {
+      const Surface& picture =
+          *pictures[static_cast<std::size_t>(dice.below(static_cast<int>(pictures.size())))];
+      if (const auto pose = views.before(picture, distanceFrom(dice))) {
+        writeBackground(folder / fmt::format("near_{}_{}.jpg", seed, i + 1), views.take(*pose));
       }
     }
   }

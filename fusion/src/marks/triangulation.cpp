@@ -48,6 +48,14 @@ struct NormalEquations {
     H += weight * direction * direction.transpose();
     b += weight * r * direction;
   }
+
+  /// What is usual, along the bearing: unlike addRange, it does not also hold behind the camera.
+  void addUsualDepth(const MarkView& view, const Vector3d& p) {
+    const Vector3d& d = view.d_world;
+    const double weight = 1.0 / (kUsualRangeSigma * kUsualRangeSigma);
+    H += weight * d * d.transpose();
+    b += weight * (d.dot(p - view.p_world_camera) - kUsualRange) * d;
+  }
 };
 
 NormalEquations equationsAt(std::span<const MarkView> views, const Vector3d& p) {
@@ -61,7 +69,11 @@ NormalEquations equationsAt(std::span<const MarkView> views, const Vector3d& p) 
       equations.addRange(view, view.range, alike * view.range_sigma, p);
     }
   }
-  equations.addRange(views.front(), kUsualRange, kUsualRangeSigma, p);
+  if (views.front().bearing_sigma > kCornerSigma) {  // Unsure bearings may cross there.
+    equations.addUsualDepth(views.front(), p);
+  } else {
+    equations.addRange(views.front(), kUsualRange, kUsualRangeSigma, p);
+  }
   return equations;
 }
 

@@ -8,13 +8,16 @@
 
 namespace rubble::fusion {
 
+/// Of a bearing (rad): the picture's corners and the published attitude.
+inline constexpr double kCornerSigma = 0.01;
+
 /// A bearing to an object, in world.
 struct MarkView {
   Eigen::Vector3d p_world_camera = Eigen::Vector3d::Zero();
   Eigen::Vector3d d_world = Eigen::Vector3d::UnitX();  ///< unit vector
   double range = 0.0;                                  ///< m
   double range_sigma = 0.0;                            ///< m; 0: no range
-  double bearing_sigma = 0.01;  ///< rad: the picture's corners and the published attitude
+  double bearing_sigma = kCornerSigma;                 ///< rad; more where corners are not always the same points
 };
 
 struct MarkPosition {
