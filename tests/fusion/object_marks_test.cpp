@@ -230,6 +230,39 @@ TEST(ObjectMarks, ADollOfWhichMoreAndLessIsSeenIsOneMarkWhereItLies) {
   EXPECT_LT((marks.marks().front().position.p_world - doll).norm(), 0.15);
 }
 
+TEST(ObjectMarks, ADollSeenFromOnePlaceOnlyStaysPending) {
+  ObjectMarks marks{MarksConfig()};
+  Robot robot;
+  const Pose3 camera = cameraAt({0.0, 0.0, 0.22}, 0.1);
+  for (int i = 0; i < 40; ++i) {
+    Sighting sighting = seeDoll(camera, {2.0, 0.3, 0.0}, i % 3 == 0 ? 0.2 : 0.0);
+    sighting.lidar = RangeMeasurement{2.0, 0.05};
+    marks.addPicture(robot.place(camera), std::vector{sighting});
+  }
+  ASSERT_EQ(marks.marks().size(), 1U);
+  EXPECT_EQ(marks.marks().front().state, MarkState::kPending);
+}
+
+TEST(ObjectMarks, ALabelThatWasTakenForADollIsALabel) {
+  for (const double apart : {0.1, 0.6}) {  // A label that hangs beside a doll changes nothing.
+    ObjectMarks marks{MarksConfig()};
+    Robot robot;
+    const Vector3d doll(2.0, 0.3, 0.0);
+    const Pose3 label = faceAt(doll + Vector3d(0.0, apart, 0.1));
+    for (int i = 0; i < 24; ++i) {
+      const Pose3 camera = cameraAt({0.03 * i, -0.6 + 0.05 * i, 0.22}, 0.1);
+      std::vector<Sighting> seen = {seeDoll(camera, doll, 0.0)};
+      if (i >= 12) {
+        seen.push_back(robot.see(camera, label, "poison"));
+      }
+      marks.addPicture(robot.place(camera), seen);
+    }
+    ASSERT_EQ(marks.marks().size(), 2U);
+    EXPECT_EQ(marks.marks()[0].state, apart > 0.5 ? MarkState::kConfirmed : MarkState::kPending) << apart;
+    EXPECT_EQ(marks.marks()[1].state, MarkState::kConfirmed) << apart;
+  }
+}
+
 TEST(ObjectMarks, AWrongClassAtItsPlaceIsNotConfirmed) {
   Robot robot;
   ObjectMarks marks{{}};

@@ -23,6 +23,14 @@ constexpr double kDriving = 0.3;       // m/s
 
 }  // namespace
 
+Eigen::Vector3d middleOf(const Surface& surface) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const Surface::Vertex& vertex : surface.vertices) {
+    sum += vertex.p_world;
+  }
+  return sum.cast<double>() / static_cast<double>(surface.vertices.size());
+}
+
 RobotViews::RobotViews(const World& world, std::uint64_t seed)
     : robot_(arenaRobot()),
       random_(randomStream(seed, kStream)),
@@ -51,13 +59,8 @@ std::optional<common::Pose3> RobotViews::towards(const WorldObject& object, doub
 }
 
 std::optional<common::Pose3> RobotViews::before(const Surface& picture, double distance) {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  for (const Surface::Vertex& vertex : picture.vertices) {
-    sum += vertex.p_world;
-  }
-  const Eigen::Vector3d middle = sum.cast<double>() / static_cast<double>(picture.vertices.size());
   const Eigen::Vector3d front = picture.vertices.front().normal.cast<double>();
-  return around(middle, distance, [&](double side) -> Eigen::Vector3d {
+  return around(middleOf(picture), distance, [&](double side) -> Eigen::Vector3d {
     return Eigen::AngleAxisd(side, Eigen::Vector3d::UnitZ()) * front;
   });
 }

@@ -12,6 +12,9 @@
 
 namespace rubble::arena_sim {
 
+/// Of a surface's vertices, in world.
+Eigen::Vector3d middleOf(const Surface& surface);
+
 /// Pictures that the arena's robot might take in a world, from free places on its ground, in motion.
 class RobotViews {
  public:

@@ -30,6 +30,9 @@ constexpr double kSamePlace = 0.2;
 /// Of a solid thing's bearing, as a share of half its size: what is seen of it changes.
 constexpr double kSolidBearing = 0.3;
 
+/// A solid thing where a label or a code has been confirmed (m) is what was taken for one.
+constexpr double kLabelled = 0.25;
+
 Matrix3d nearestRotation(const Matrix3d& M) {
   const Eigen::JacobiSVD<Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
@@ -44,6 +47,11 @@ double largestSigma(const MarkPosition& position) {
 }
 
 double distanceOf(const Mark& a, const Mark& b) { return (a.position.p_world - b.position.p_world).norm(); }
+
+bool isLabelOf(const Mark& label, const Mark& solid) {
+  return solid.label.isSolid() && !label.label.isSolid() && label.state == MarkState::kConfirmed &&
+         distanceOf(label, solid) < kLabelled;
+}
 
 bool contains(const std::vector<std::int32_t>& ids, std::int32_t id) {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
@@ -83,8 +91,8 @@ void visit(common::ConfigSection& section, MarksConfig& config) {
                   "pictures in which an object was seen until its mark is confirmed");
   section.integer("confirm_code_views", config.confirm_code_views, "", 1, 1000,
                   "the same for codes, which check themselves");
-  section.integer("confirm_solid_views", config.confirm_solid_views, "", 1, 1000,
-                  "the same for victims, which clutter resembles more often");
+  section.integer("confirm_solid_places", config.confirm_solid_places, "", 1, 12,
+                  "places, 5 cm apart, from which a victim was seen until its mark is confirmed");
   section.number("confirm_sigma", config.confirm_sigma, "m", 0.01, 10.0,
                  "of a mark's position, above which it stays pending");
   section.number("same_object", config.same_object, "m", 0.0, 10.0,
@@ -271,12 +279,12 @@ bool ObjectMarks::confirmSeen() {
       continue;
     }
     const bool outdone = std::any_of(marks_.begin(), marks_.end(), [&](const Mark& other) {
-      return other.label.kind == mark.label.kind && !(other.label == mark.label) &&
-             other.state != MarkState::kDiscarded && distanceOf(other, mark) < kSamePlace &&
-             std::pair(other.by_operator, other.evidence) > std::pair(false, mark.evidence);
+      return isLabelOf(other, mark) ||
+             (other.label.kind == mark.label.kind && !(other.label == mark.label) &&
+              other.state != MarkState::kDiscarded && distanceOf(other, mark) < kSamePlace &&
+              std::pair(other.by_operator, other.evidence) > std::pair(false, mark.evidence));
     });
-    const bool sure =
-        mark.views >= viewsNeeded(mark.label) && largestSigma(mark.position) <= config_.confirm_sigma;
+    const bool sure = isSeenEnough(mark) && largestSigma(mark.position) <= config_.confirm_sigma;
     const MarkState state = outdone                                       ? MarkState::kPending
                             : sure || mark.state == MarkState::kConfirmed ? MarkState::kConfirmed
                                                                           : MarkState::kPending;
@@ -286,10 +294,11 @@ bool ObjectMarks::confirmSeen() {
   return changed;
 }
 
-int ObjectMarks::viewsNeeded(const ObjectLabel& label) const {
-  return !label.text.empty() ? config_.confirm_code_views
-         : label.isSolid()   ? config_.confirm_solid_views
-                             : config_.confirm_views;
+bool ObjectMarks::isSeenEnough(const Mark& mark) const {
+  if (mark.label.isSolid()) {  // Clutter looks the same again from the same place.
+    return mark.kept_views.size() >= static_cast<std::size_t>(config_.confirm_solid_places);
+  }
+  return mark.views >= (mark.label.text.empty() ? config_.confirm_views : config_.confirm_code_views);
 }
 
 double ObjectMarks::sameWithin(const ObjectLabel& label) const {

@@ -19,7 +19,7 @@ namespace rubble::fusion {
 struct MarksConfig {
   int confirm_views = 4;
   int confirm_code_views = 2;  ///< codes check themselves
-  int confirm_solid_views = 8;
+  int confirm_solid_places = 8;
   double confirm_sigma = 0.3;  ///< m
   double same_object = 0.3;    ///< m
   double same_solid = 0.6;     ///< m
@@ -84,7 +84,7 @@ class ObjectMarks {
   void see(Mark& mark, const PicturePlace& place, const Bearing& seen) const;
   bool mergeDoubles();
   bool confirmSeen();
-  int viewsNeeded(const ObjectLabel& label) const;
+  bool isSeenEnough(const Mark& mark) const;
   double sameWithin(const ObjectLabel& label) const;
   void forget(common::Utime now);
   void decide(std::int32_t id, MarkState state);

@@ -36,8 +36,8 @@ class Recognizer {
   Recognizer& operator=(Recognizer&&) noexcept;
 
   /// `picture`: CV_8UC3 (BGR) or CV_8UC1, what the features were extracted from at this or another size.
-  /// `with_solids`: looks for what is not flat, too. Throws common::Error for any other type. Best detections
-  /// first.
+  /// `with_solids`: looks for what is not flat, too; it changes nothing about the rest. Throws common::Error
+  /// for any other type. What is flat first, the best of it first.
   std::vector<Detection> recognise(const orb::Features& features, const cv::Mat& picture,
                                    bool with_solids = true);
 

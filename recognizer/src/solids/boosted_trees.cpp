@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSeed = 11;
 /// Values that are looked at for a tree: one in so many, others for every tree.
-constexpr std::size_t kFeatureShare = 12;
+constexpr std::size_t kFeatureShare = 16;
 constexpr float kPrior = 0.02F;     // weight on both sides of a leaf
 constexpr float kShrinkage = 0.5F;  // of a leaf
 /// Of the mean weight: windows of less do not choose splits (weight trimming).

@@ -13,14 +13,16 @@ namespace rubble::recognizer {
 namespace {
 
 constexpr int kSeed = 9;
-constexpr int kClutterPictures = 40;
+constexpr int kClutterPictures = 20;
 const cv::Size kClutterSize(480, 360);
 /// Shapes (width to height) that one model stands for: the widest to the narrowest.
 constexpr double kShapeRange = 3.0;
 /// Trees after each round; before every round what the last one takes for objects is added to the others.
-constexpr std::array kRounds = {48, 160, 320};
-/// Of objects that nothing was learnt from, that the cascade may lose.
+constexpr std::array kRounds = {40, 120, 320};
+/// Of objects that nothing was learnt from, that the cascade may lose: while clutter is looked for that it takes
+/// for objects, and in the end, where hardly more than the stronger half is reported anyway.
 constexpr double kLost = 0.05;
+constexpr double kLostAtLast = 0.2;
 /// One picture in so many is not learnt from, but tells what clutter reaches, in one of kReached of them.
 constexpr std::size_t kHeldOut = 5;
 constexpr std::size_t kReached = 4;
@@ -70,6 +72,24 @@ std::vector<Group> groupsOf(const Samples& samples, std::uint32_t object_class) 
   return groups;
 }
 
+using Pyramid = std::vector<PyramidLevel>;
+
+/// Mirrored, its colours exchanged: print and paint may have any.
+cv::Mat recoloured(const cv::Mat& picture, cv::RNG* random) {
+  constexpr std::array<std::array<int, 3>, 5> kOrders = {
+      {{0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+  const auto& order = kOrders[static_cast<std::size_t>(random->uniform(0, static_cast<int>(kOrders.size())))];
+  std::vector<cv::Mat> channels;
+  cv::split(picture, channels);
+  cv::Mat result;
+  cv::merge(std::vector<cv::Mat>{channels[static_cast<std::size_t>(order[0])],
+                                 channels[static_cast<std::size_t>(order[1])],
+                                 channels[static_cast<std::size_t>(order[2])]},
+            result);
+  cv::flip(result, result, 1);
+  return result;
+}
+
 class Trainer {
  public:
   Trainer(const Samples& samples, const SolidTrainerConfig& config)
@@ -77,8 +97,12 @@ class Trainer {
     for (int i = 0; i < kClutterPictures; ++i) {
       pictures_.push_back(renderClutter(kClutterSize, &random_));
     }
-    for (const cv::Mat& picture : pictures_) {
-      pyramids_.push_back(makePyramid(picture, kSmallestSide));
+    for (std::size_t i = 0; i < pictures_.size(); ++i) {
+      const bool is_held_out = i % kHeldOut == 0;
+      (is_held_out ? held_out_ : mined_).push_back(makePyramid(pictures_[i], kSmallestSide));
+      if (!is_held_out && i < samples.backgrounds.size()) {
+        mined_.push_back(makePyramid(recoloured(pictures_[i], &random_), kSmallestSide));
+      }
     }
     for (const Samples::View& view : samples.views) {
       if (samples.classes[view.object_class].kind != kSolidKind) {
@@ -115,6 +139,7 @@ class Trainer {
     }
     setTypical(fresh, &model);
     setZero(&model);
+    setCascade(fresh, kLostAtLast, &model.trees);
     return model;
   }
 
@@ -136,40 +161,52 @@ class Trainer {
     WindowTable table{model.width(), {}};
     const int margin = 2 * kRenderedMargin;
     const cv::Size size((model.columns + margin) * kCellSide, (model.rows + margin) * kCellSide);
-    for (int i = 0; i < config_.others; ++i) {
+    for (int i = 0; i < config_.others / 2; ++i) {
       add(channelsOf(cropAnywhere(pictures_, size, &random_)), kRenderedMargin, kRenderedMargin, model,
           &table);
     }
     return table;
   }
 
+  struct Place {
+    std::size_t level;
+    int row, column;
+    float sum;
+  };
+
   /// Windows that the model takes for objects, at most so many of one picture.
-  void addHard(const SolidModel& model, WindowTable* others) {
-    struct Hard {
-      std::size_t level;
-      int row, column;
-      float sum;
-    };
+  void addHard(const SolidModel& model, WindowTable* others) const {
     const std::size_t most = static_cast<std::size_t>(config_.others) / pictures_.size() + 1;
-    for (std::size_t i = 0; i < pictures_.size(); ++i) {
-      if (i % kHeldOut == 0) {
-        continue;
-      }
-      const std::vector<PyramidLevel>& pyramid = pyramids_[i];
-      std::vector<Hard> hard;
-      for (std::size_t level = 0; level < pyramid.size(); ++level) {
-        scanWindows(pyramid[level].channels, model, [&](int row, int column, float sum) {
-          if (sum > kHard) {
-            hard.push_back({level, row, column, sum});
-          }
-        });
-      }
-      std::stable_sort(hard.begin(), hard.end(), [](const Hard& a, const Hard& b) { return a.sum > b.sum; });
-      hard.resize(std::min(hard.size(), most));
-      for (const Hard& window : hard) {
-        add(pyramid[window.level].channels, window.row, window.column, model, others);
+    for (const Pyramid& pyramid : mined_) {
+      for (const Place& place : hardest(model, pyramid, most)) {
+        add(pyramid[place.level].channels, place.row, place.column, model, others);
       }
     }
+  }
+
+  /// The hardest first; of windows that hardly differ one.
+  static std::vector<Place> hardest(const SolidModel& model, const Pyramid& pyramid,
+                                    std::size_t most) {
+    std::vector<Place> all;
+    for (std::size_t level = 0; level < pyramid.size(); ++level) {
+      scanWindows(pyramid[level].channels, model, [&](int row, int column, float sum) {
+        if (sum > kHard) {
+          all.push_back({level, row, column, sum});
+        }
+      });
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Place& a, const Place& b) { return a.sum > b.sum; });
+    std::vector<Place> hard;
+    for (const Place& place : all) {
+      const bool is_known = std::any_of(hard.begin(), hard.end(), [&](const Place& known) {
+        return known.level == place.level && std::abs(known.row - place.row) <= 1 &&
+               std::abs(known.column - place.column) <= 1;
+      });
+      if (!is_known && hard.size() < most) {
+        hard.push_back(place);
+      }
+    }
+    return hard;
   }
 
   static void add(const Channels& channels, int row, int column, const SolidModel& model,
@@ -192,9 +229,9 @@ class Trainer {
 
   void setZero(SolidModel* model) const {
     std::vector<float> best;
-    for (std::size_t i = 0; i < pictures_.size(); i += kHeldOut) {
+    for (const Pyramid& pyramid : held_out_) {
       best.push_back(-1.0F);
-      for (const PyramidLevel& level : pyramids_[i]) {
+      for (const PyramidLevel& level : pyramid) {
         scanWindows(level.channels, *model,
                     [&](int, int, float sum) { best.back() = std::max(best.back(), sum); });
       }
@@ -207,8 +244,9 @@ class Trainer {
   const SolidTrainerConfig config_;
   cv::RNG random_;
   std::vector<cv::Mat> pictures_;
-  std::vector<std::vector<PyramidLevel>> pyramids_;  // of the pictures
-  std::vector<CutOut> flat_;                         // samples of other kinds
+  std::vector<Pyramid> held_out_;  // of some pictures
+  std::vector<Pyramid> mined_;     // of the others, backgrounds twice
+  std::vector<CutOut> flat_;       // samples of other kinds
 };
 
 }  // namespace

@@ -103,6 +103,37 @@ TEST_F(DollRecognizer, FindsNothingOnWalls) {
   }
 }
 
+TEST_F(DollRecognizer, LabelsAreFoundAsWithoutDolls) {
+  cv::Mat picture = test::makeWall(11);
+  test::paste(test::makeSigns()[2].picture, test::squareAt({180.0F, 160.0F}, 110.0F, 0.1F), &picture);
+  put(makeDoll(41), {330, 280}, 0.6, &picture);
+  const auto labels = recognise(picture, false);
+  ASSERT_EQ(labels.size(), 1U);
+  const auto all = recognise(picture);
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].class_name, "spark");
+  EXPECT_EQ(all[0].score, labels[0].score);
+  EXPECT_EQ(all[0].quad, labels[0].quad);
+  EXPECT_EQ(all[1].class_name, "doll");
+}
+
+TEST_F(DollRecognizer, WhatALabelExplainsIsNoDoll) {
+  // Everything is taken for a doll.
+  Recognizer gullible{{.solid_score = 0.0}, vocabulary_};
+  cv::Mat picture = test::makeWall(12);
+  const auto corners = test::squareAt({300.0F, 240.0F}, 150.0F, 0.0F);
+  test::paste(test::makeSigns()[2].picture, corners, &picture);
+  cv::Mat grey;
+  cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+  const cv::Rect2f sign = boundsOf(corners);
+  for (const Detection& detection : gullible.recognise(extractor_.extract(grey), picture)) {
+    if (detection.kind == "victim") {
+      const cv::Rect2f box = boundsOf(detection.quad);
+      EXPECT_LT((box & sign).area(), 0.3F * box.area());
+    }
+  }
+}
+
 TEST_F(DollRecognizer, DollsAreNoViewsOfFlatThings) {
   EXPECT_EQ(vocabulary_->viewCount(), 1U);
   ASSERT_FALSE(vocabulary_->data().solids.empty());
