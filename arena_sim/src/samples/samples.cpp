@@ -46,7 +46,7 @@ constexpr double kShown = 0.2;
 constexpr std::uint64_t kFirstWorld = 101;
 constexpr int kWorlds = 15;
 constexpr int kPicturesOfWorld = 4;
-constexpr int kNearOfWorld = 12;  // Of a label, a code or a poster, and what is around it.
+constexpr int kNearOfWorld = 12;          // Of a label, a code or a poster, and what is around it.
 constexpr double kFarthestPicture = 4.0;  // m
 const cv::Size kNearSize(320, 240);
 constexpr int kAttempts = 200;
@@ -117,9 +117,8 @@ cv::Mat cropAround(const cv::Mat& picture, const Eigen::Vector3d& p_camera) {
   const auto begin = [&](double focal, double offset, double centre, int side, int all) {
     return std::clamp(static_cast<int>(focal * offset / p_camera.z() + centre) - side / 2, 0, all - side);
   };
-  const cv::Point corner(
-      begin(lens.focal[0], p_camera.x(), lens.centre[0], kNearSize.width, picture.cols),
-      begin(lens.focal[1], p_camera.y(), lens.centre[1], kNearSize.height, picture.rows));
+  const cv::Point corner(begin(lens.focal[0], p_camera.x(), lens.centre[0], kNearSize.width, picture.cols),
+                         begin(lens.focal[1], p_camera.y(), lens.centre[1], kNearSize.height, picture.rows));
   return picture(cv::Rect(corner, kNearSize)).clone();
 }
 

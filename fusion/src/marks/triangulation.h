@@ -17,7 +17,7 @@ struct MarkView {
   Eigen::Vector3d d_world = Eigen::Vector3d::UnitX();  ///< unit vector
   double range = 0.0;                                  ///< m
   double range_sigma = 0.0;                            ///< m; 0: no range
-  double bearing_sigma = kCornerSigma;                 ///< rad; more where corners are not always the same points
+  double bearing_sigma = kCornerSigma;  ///< rad; more where corners are not always the same points
 };
 
 struct MarkPosition {

@@ -14,7 +14,7 @@ struct RecognizerConfig {
   double smallest_side = 18.0;
   double score = 0.22;
   double smallest_solid = 44.0;
-  double solid_score = 0.75;
+  double solid_score = 0.8;
 };
 
 void visit(common::ConfigSection& section, RecognizerConfig& config);

@@ -19,8 +19,8 @@ const cv::Size kClutterSize(480, 360);
 constexpr double kShapeRange = 3.0;
 /// Trees after each round; before every round what the last one takes for objects is added to the others.
 constexpr std::array kRounds = {40, 120, 320};
-/// Of objects that nothing was learnt from, that the cascade may lose: while clutter is looked for that it takes
-/// for objects, and in the end, where hardly more than the stronger half is reported anyway.
+/// Of objects that nothing was learnt from, that the cascade may lose: while clutter is looked for that it
+/// takes for objects, and in the end, where hardly more than the stronger half is reported anyway.
 constexpr double kLost = 0.05;
 constexpr double kLostAtLast = 0.2;
 /// One picture in so many is not learnt from, but tells what clutter reaches, in one of kReached of them.
@@ -185,8 +185,7 @@ class Trainer {
   }
 
   /// The hardest first; of windows that hardly differ one.
-  static std::vector<Place> hardest(const SolidModel& model, const Pyramid& pyramid,
-                                    std::size_t most) {
+  static std::vector<Place> hardest(const SolidModel& model, const Pyramid& pyramid, std::size_t most) {
     std::vector<Place> all;
     for (std::size_t level = 0; level < pyramid.size(); ++level) {
       scanWindows(pyramid[level].channels, model, [&](int row, int column, float sum) {
