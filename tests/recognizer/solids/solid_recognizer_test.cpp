@@ -104,9 +104,9 @@ TEST_F(DollRecognizer, FindsNothingOnWalls) {
 }
 
 TEST_F(DollRecognizer, LabelsAreFoundAsWithoutDolls) {
-  cv::Mat picture = test::makeWall(11);
-  test::paste(test::makeSigns()[2].picture, test::squareAt({180.0F, 160.0F}, 110.0F, 0.1F), &picture);
-  put(makeDoll(41), {330, 280}, 0.6, &picture);
+  cv::Mat picture = test::makeWall(9);
+  test::paste(test::makeSigns()[2].picture, test::squareAt({520.0F, 110.0F}, 110.0F, 0.1F), &picture);
+  put(makeDoll(40), {220, 200}, 0.6, &picture);
   const auto labels = recognise(picture, false);
   ASSERT_EQ(labels.size(), 1U);
   const auto all = recognise(picture);
