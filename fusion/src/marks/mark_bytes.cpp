@@ -39,6 +39,7 @@ void putMark(ByteWriter& out, const Mark& mark) {
   out.put(mark.level);
   out.put(mark.keyframe_id);
   out.put(static_cast<std::uint8_t>(mark.on_level));
+  out.put(static_cast<std::uint8_t>(mark.is_flat));
   putMatrix(out, mark.attitude_sum);
   out.put(static_cast<std::uint64_t>(mark.kept_views.size()));
   for (const MarkView& view : mark.kept_views) {
@@ -76,6 +77,7 @@ Mark getMark(ByteReader& in) {
   mark.level = in.get<std::int32_t>();
   mark.keyframe_id = in.get<std::int32_t>();
   mark.on_level = in.get<std::uint8_t>() != 0;
+  mark.is_flat = in.get<std::uint8_t>() != 0;
   getMatrix(in, mark.attitude_sum);
   constexpr std::size_t kViewBytes = 9 * 8;
   for (std::size_t i = in.getCount(kViewBytes); i > 0; --i) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <rubble/objects_t.hpp>
@@ -27,6 +28,7 @@ constexpr std::size_t kMostScans = 200;
 constexpr std::size_t kMostPlaces = 200;
 constexpr std::size_t kMostAnchors = 500;
 constexpr std::size_t kMostWaiting = 20;
+constexpr std::size_t kMostPictures = 60;  // with features; 3 MB
 constexpr std::int32_t kMostDetections = 200;
 /// Between a picture and the scan that tells its ranges.
 constexpr Utime kScanGap = common::kMicrosecondsPerSecond / 20;
@@ -40,6 +42,31 @@ void keep(std::deque<T>& values, T value, std::size_t most) {
   if (values.size() > most) {
     values.pop_front();
   }
+}
+
+/// How far off a feature is, as a rule at most (pixels of its pyramid level), and from one level to the next.
+constexpr double kFeatureSigma = 1.0;
+constexpr double kLevelScale = 1.2;
+
+/// Unit vectors in `camera`, not finite where the lens sees nothing.
+std::vector<Vector3d> directionsOf(const std::vector<cv::Point2d>& pixels,
+                                   const common::RobotConfig::Intrinsics& camera) {
+  std::vector<Vector3d> directions;
+  if (pixels.empty()) {
+    return directions;
+  }
+  std::vector<cv::Point2d> points;
+  const cv::Matx33d K(camera.focal[0], 0.0, camera.centre[0], 0.0, camera.focal[1], camera.centre[1], 0.0,
+                      0.0, 1.0);
+  if (camera.model == "fisheye") {
+    cv::fisheye::undistortPoints(pixels, points, K, camera.distortion);
+  } else {
+    cv::undistortPoints(pixels, points, K, camera.distortion);
+  }
+  for (const cv::Point2d& point : points) {
+    directions.push_back(Vector3d(point.x, point.y, 1.0).normalized());
+  }
+  return directions;
 }
 
 /// Unit vectors in `camera` towards the corners of a detection.
@@ -57,17 +84,10 @@ std::array<Vector3d, 4> bearings(const rubble::detection_t& detection,
     }
     pixels.push_back(pixel);
   }
-  const cv::Matx33d K(camera.focal[0], 0.0, camera.centre[0], 0.0, camera.focal[1], camera.centre[1], 0.0,
-                      0.0, 1.0);
-  std::vector<cv::Point2d> points;
-  if (camera.model == "fisheye") {
-    cv::fisheye::undistortPoints(pixels, points, K, camera.distortion);
-  } else {
-    cv::undistortPoints(pixels, points, K, camera.distortion);
-  }
+  const std::vector<Vector3d> directions = directionsOf(pixels, camera);
   std::array<Vector3d, 4> result;
   for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = Vector3d(points[i].x, points[i].y, 1.0).normalized();
+    result[i] = directions[i];
     if (!result[i].allFinite()) {
       throw common::Error("a detection whose corners the lens cannot see");
     }
@@ -111,6 +131,8 @@ MarkKeeper::MarkKeeper(lcm_io::Bus& bus, const MarksConfig& config, const common
   bus_.subscribe<bot_core::planar_lidar_t>(lcm_io::channel::kScan, [this](const auto& m) { onScan(m); });
   bus_.subscribe<rubble::camera_info_t>(
       lcm_io::channel::kCameraInfo, [this](const auto& m) { camera_ = lcm_io::intrinsicsFromMessage(m); });
+  bus_.subscribe<rubble::mono_features_t>(lcm_io::channel::kMonoFeatures,
+                                          [this](const auto& m) { onFeatures(m); });
   bus_.subscribe<rubble::detections_t>(lcm_io::channel::kDetections,
                                        [this](const auto& m) { onDetections(m); });
   bus_.subscribe<rubble::command_t>(lcm_io::channel::kCommand, [this](const auto& m) { onCommand(m); });
@@ -147,6 +169,49 @@ std::optional<Similarity> MarkKeeper::locate(std::int32_t keyframe_id) const {
   }
   const common::Pose3 T = alignment->S_world_mono * keyframe->T_mono_camera;
   return Similarity{alignment->S_world_mono.scale * keyframe->growth, T.linear(), T.translation()};
+}
+
+void MarkKeeper::onFeatures(const rubble::mono_features_t& message) {
+  const auto n = static_cast<std::size_t>(std::max(message.n, 0));
+  if (message.n < 0 || message.octave.size() != n ||
+      message.descriptors.size() != n * sizeof(orb::Descriptor)) {
+    throw common::Error(fmt::format("{} features with {} octaves and {} bytes of descriptors", message.n,
+                                    message.octave.size(), message.descriptors.size()));
+  }
+  keep(features_, message, kMostPictures);
+}
+
+std::vector<BoxFeature> MarkKeeper::featuresIn(const rubble::detection_t& detection, Utime utime) const {
+  const auto message = std::find_if(features_.begin(), features_.end(),
+                                    [&](const rubble::mono_features_t& m) { return m.utime == utime; });
+  if (message == features_.end()) {
+    return {};
+  }
+  const auto [left, right] = std::minmax_element(detection.quad_x, detection.quad_x + 4);
+  const auto [top, bottom] = std::minmax_element(detection.quad_y, detection.quad_y + 4);
+  std::vector<std::size_t> inside;
+  std::vector<cv::Point2d> pixels;
+  for (std::size_t i = 0; i < message->octave.size(); ++i) {
+    const float x = message->x[i];
+    const float y = message->y[i];
+    if (x >= *left && x <= *right && y >= *top && y <= *bottom) {
+      inside.push_back(i);
+      pixels.emplace_back(x, y);
+    }
+  }
+  const std::vector<Vector3d> directions = directionsOf(pixels, camera_);
+  std::vector<BoxFeature> features;
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    if (!directions[i].allFinite()) {
+      continue;
+    }
+    BoxFeature& feature = features.emplace_back();
+    feature.direction = directions[i];
+    feature.sigma = kFeatureSigma * std::pow(kLevelScale, message->octave[inside[i]]) / camera_.focal[0];
+    std::memcpy(&feature.descriptor, &message->descriptors[inside[i] * sizeof(orb::Descriptor)],
+                sizeof(orb::Descriptor));
+  }
+  return features;
 }
 
 void MarkKeeper::onDetections(const rubble::detections_t& message) {
@@ -194,6 +259,9 @@ std::vector<Sighting> MarkKeeper::sightingsOf(const rubble::detections_t& messag
     sighting.corners = bearings(detection, camera_);
     sighting.width = detection.width;
     sighting.height = detection.height;
+    if (sighting.label.isSolid()) {
+      sighting.features = featuresIn(detection, message.utime);
+    }
     if (scan != nullptr) {
       sighting.lidar =
           rangeAlong(place.T_world_camera.translation(), place.T_world_camera.linear() * bearingOf(sighting),

@@ -6,6 +6,7 @@
 #include <rubble/camera_info_t.hpp>
 #include <rubble/command_t.hpp>
 #include <rubble/detections_t.hpp>
+#include <rubble/mono_features_t.hpp>
 #include <string>
 
 #include "common/keyframe_poses.h"
@@ -17,8 +18,8 @@
 
 namespace rubble::fusion {
 
-/// DETECTIONS to OBJECTS: gives what the recogniser sees its place in world, keeps the marks, obeys the
-/// operator.
+/// DETECTIONS, MONO_FEATURES to OBJECTS: gives what the recogniser sees its place in world, keeps the marks,
+/// obeys the operator.
 class MarkKeeper {
  public:
   /// `fusion`, `keyframes`: looked at, not changed; they outlive it.
@@ -40,11 +41,14 @@ class MarkKeeper {
 
  private:
   void onScan(const bot_core::planar_lidar_t& scan);
+  void onFeatures(const rubble::mono_features_t& message);
   void onDetections(const rubble::detections_t& message);
   void onCommand(const rubble::command_t& command);
   /// Sightings whose picture's pose is known.
   void useWaiting();
   std::vector<Sighting> sightingsOf(const rubble::detections_t& message, const PicturePlace& place) const;
+  /// The features in a solid thing's box; none where they were lost on the bus.
+  std::vector<BoxFeature> featuresIn(const rubble::detection_t& detection, common::Utime utime) const;
   const RangeScan* scanAt(common::Utime utime) const;
   std::optional<Similarity> locate(std::int32_t keyframe_id) const;
 
@@ -56,6 +60,7 @@ class MarkKeeper {
   ObjectMarks marks_;
   std::deque<PicturePlace> places_;                             // Of the last seconds.
   std::deque<RangeScan> scans_;                                 // Of the last seconds.
+  std::deque<rubble::mono_features_t> features_;                // Of the last seconds.
   std::deque<rubble::detections_t> waiting_;                    // For their picture's pose.
   std::deque<std::pair<common::Utime, std::int32_t>> anchors_;  // Pictures with their keyframes.
   std::int64_t revision_ = 0;

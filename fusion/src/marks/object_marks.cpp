@@ -84,6 +84,18 @@ void keepView(std::vector<MarkView>& views, const MarkView& view) {
   views.push_back(view);
 }
 
+void checkFlatness(Mark& mark, const PicturePlace& place, const Sighting& sighting) {
+  if (!sighting.label.isSolid() || sighting.features.empty()) {
+    return;
+  }
+  FeatureView view{place.T_world_camera.translation(), sighting.features};
+  for (BoxFeature& feature : view.features) {
+    feature.direction = place.T_world_camera.linear() * feature.direction;
+  }
+  mark.flatness.add(std::move(view));
+  mark.is_flat = mark.is_flat || mark.flatness.isFlat();
+}
+
 }  // namespace
 
 void visit(common::ConfigSection& section, MarksConfig& config) {
@@ -218,6 +230,7 @@ void ObjectMarks::see(Mark& mark, const PicturePlace& place, const Bearing& seen
   mark.last_seen = place.utime;
   if (place.on_level && !mark.on_level) {
     mark.kept_views.clear();  // The level's grid knows better than a drifting pose.
+    mark.flatness = {};
   }
   if (place.on_level || !mark.on_level) {
     mark.on_level = place.on_level;
@@ -225,6 +238,7 @@ void ObjectMarks::see(Mark& mark, const PicturePlace& place, const Bearing& seen
     mark.keyframe_id = place.keyframe_id;
     keepView(mark.kept_views, seen.view);
     mark.position = triangulate(mark.kept_views);
+    checkFlatness(mark, place, *seen.sighting);
   }
   if (seen.sighting->width > 0.0) {
     mark.width = seen.sighting->width;
@@ -256,6 +270,7 @@ bool ObjectMarks::mergeDoubles() {
       a.evidence += b.evidence;
       a.last_seen = std::max(a.last_seen, b.last_seen);
       a.attitude_sum += b.attitude_sum;
+      a.is_flat = a.is_flat || b.is_flat;
       if (b.on_level && !a.on_level) {
         a.kept_views.clear();
       }
@@ -278,12 +293,13 @@ bool ObjectMarks::confirmSeen() {
     if (mark.by_operator || mark.state == MarkState::kDiscarded) {
       continue;
     }
-    const bool outdone = std::any_of(marks_.begin(), marks_.end(), [&](const Mark& other) {
-      return isLabelOf(other, mark) ||
-             (other.label.kind == mark.label.kind && !(other.label == mark.label) &&
-              other.state != MarkState::kDiscarded && distanceOf(other, mark) < kSamePlace &&
-              std::pair(other.by_operator, other.evidence) > std::pair(false, mark.evidence));
-    });
+    const bool outdone =
+        mark.is_flat || std::any_of(marks_.begin(), marks_.end(), [&](const Mark& other) {
+          return isLabelOf(other, mark) ||
+                 (other.label.kind == mark.label.kind && !(other.label == mark.label) &&
+                  other.state != MarkState::kDiscarded && distanceOf(other, mark) < kSamePlace &&
+                  std::pair(other.by_operator, other.evidence) > std::pair(false, mark.evidence));
+        });
     const bool sure = isSeenEnough(mark) && largestSigma(mark.position) <= config_.confirm_sigma;
     const MarkState state = outdone                                       ? MarkState::kPending
                             : sure || mark.state == MarkState::kConfirmed ? MarkState::kConfirmed
@@ -345,6 +361,7 @@ void ObjectMarks::follow(bool corrected, const LocateKeyframe& locate) {
       view.p_world_camera = moved(view.p_world_camera);
       view.d_world = turn * view.d_world;
     }
+    mark.flatness = {};  // Its points were placed before.
     mark.position.p_world = moved(mark.position.p_world);
     mark.position.covariance = turn * mark.position.covariance * turn.transpose();
     mark.attitude_sum = turn * mark.attitude_sum;

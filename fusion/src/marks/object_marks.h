@@ -10,6 +10,7 @@
 
 #include "alignment.h"
 #include "common/config.h"
+#include "marks/flatness.h"
 #include "marks/sighting.h"
 #include "marks/triangulation.h"
 
@@ -49,6 +50,8 @@ struct Mark {
   bool on_level = true;              ///< seen in H, if only once: the level's grid holds its place
   std::vector<MarkView> kept_views;  ///< spread over the viewpoints
   Eigen::Matrix3d attitude_sum = Eigen::Matrix3d::Zero();
+  FlatnessCheck flatness;                 ///< of a solid thing; no part of the checkpoint
+  bool is_flat = false;                   ///< once seen to be: a picture that was taken for a solid thing
   std::vector<std::int32_t> seen_beside;  ///< marks of the same label in the same picture: other objects
 };
 

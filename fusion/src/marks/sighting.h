@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/geometry.h"
 #include "common/time.h"
+#include "marks/flatness.h"
 
 namespace rubble::fusion {
 
@@ -36,6 +38,7 @@ struct Sighting {
   double width = 0.0;  ///< m; 0: unknown
   double height = 0.0;
   std::optional<RangeMeasurement> lidar;
+  std::vector<BoxFeature> features;  ///< of a solid thing, in its box; directions in `camera`
 };
 
 /// Where a picture with sightings was taken.
