@@ -23,10 +23,10 @@ constexpr int kFarthest = 64;  // bits
 constexpr double kRatio = 0.8;
 /// Two bearings that pass each other by more deviations belong to two points.
 constexpr double kMeeting = 3.0;
-/// A body is 0.1 m thick or more: a point that tells it from a plane is known to a third of that, the
-/// bearings being a pixel off, and they are half of it as a rule.
-constexpr double kSharpest = 0.03;   // m
-constexpr double kPlaneHalf = 0.02;  // m, thickness of a plane, each side
+/// A body is 0.1 m thick or more: what tells it from a plane are points that are known better than to a third
+/// of that (their bearings being a pixel off, which is more than usual), and a plane is as thick to each side
+/// (m).
+constexpr double kSharpest = 0.03;
 constexpr std::size_t kFewest = 20;  // points
 constexpr double kShare = 0.9;       // of the points
 /// From the tenth to the ninetieth percent, upwards and sideways: more than the front of one that lies.
@@ -107,7 +107,7 @@ std::vector<Vector3d> inPlane(const Vector3d& normal, std::vector<Vector3d> poin
   std::size_t first = 0;
   std::size_t most = 0;
   for (std::size_t begin = 0, end = 0; begin < points.size(); ++begin) {
-    while (end < points.size() && normal.dot(points[end] - points[begin]) <= 2.0 * kPlaneHalf) {
+    while (end < points.size() && normal.dot(points[end] - points[begin]) <= 2.0 * kSharpest) {
       ++end;
     }
     if (end - begin > most) {
