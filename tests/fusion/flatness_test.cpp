@@ -133,6 +133,14 @@ TEST(ObjectMarks, APosterThatWasTakenForAVictimStaysPending) {
     ASSERT_EQ(marks.marks().size(), 1U);
     EXPECT_EQ(marks.marks()[0].state, is_flat ? MarkState::kPending : MarkState::kConfirmed) << is_flat;
     EXPECT_EQ(marks.marks()[0].is_flat, is_flat);
+    // Much later, straight ahead.
+    for (int i = 0; i < 12; ++i) {
+      const Pose3 T = cameraAt({0.06 * i, 0.4, 0.0});
+      const std::vector<Sighting> seen = {see(is_flat ? kPoster : kSitting, T, random)};
+      marks.addPicture({100'000'000 + 100'000 * i, T, true, 0, 7}, seen);
+    }
+    ASSERT_EQ(marks.marks().size(), 1U);
+    EXPECT_EQ(marks.marks()[0].state, is_flat ? MarkState::kPending : MarkState::kConfirmed) << is_flat;
   }
 }
 

@@ -323,7 +323,8 @@ double ObjectMarks::sameWithin(const ObjectLabel& label) const {
 
 void ObjectMarks::forget(common::Utime now) {
   std::erase_if(marks_, [&](const Mark& mark) {
-    return mark.state == MarkState::kPending && !mark.by_operator &&
+    // What is flat is remembered: seen again, perhaps from where that cannot be told, it is no news.
+    return mark.state == MarkState::kPending && !mark.by_operator && !mark.is_flat &&
            now - mark.last_seen > common::utimeFromSeconds(config_.forget_after);
   });
 }
