@@ -27,6 +27,7 @@ FusionMemory example() {
   mark.label = {"qr", "qr", "room 7"};
   mark.state = MarkState::kDiscarded;
   mark.by_operator = true;
+  mark.is_flat = true;
   mark.kept_views = {{}};
   mark.seen_beside = {2, 3};
   memory.marks = {mark};
@@ -56,6 +57,7 @@ TEST(FusionMemory, ComesBackAsItWas) {
   ASSERT_EQ(memory.marks.size(), 1);
   EXPECT_EQ(memory.marks.front().label, (ObjectLabel{"qr", "qr", "room 7"}));
   EXPECT_EQ(memory.marks.front().state, MarkState::kDiscarded);
+  EXPECT_TRUE(memory.marks.front().is_flat);
   EXPECT_EQ(memory.next_mark_id, 5);
 }
 

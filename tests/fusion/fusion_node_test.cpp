@@ -11,6 +11,7 @@
 #include <rubble/fusion_state_t.hpp>
 #include <rubble/lidar_control_t.hpp>
 #include <rubble/lidar_pose_t.hpp>
+#include <rubble/mono_features_t.hpp>
 #include <rubble/mono_map_t.hpp>
 #include <rubble/mono_pose_t.hpp>
 #include <rubble/objects_t.hpp>
@@ -469,6 +470,11 @@ TEST_F(FusionNodeTest, BadMessagesAreRefusedAndItLives) {
   stabilizer.roll = std::numeric_limits<double>::quiet_NaN();
   feed(lcm_io::channel::kStabilizer, stabilizer);
   EXPECT_EQ(bus_->received().at(lcm_io::channel::kStabilizer).errors, 1);
+  rubble::mono_features_t features{};
+  features.n = 1;  // Without octave and descriptor.
+  features.x = features.y = features.angle = {1.0F};
+  feed(lcm_io::channel::kMonoFeatures, features);
+  EXPECT_EQ(bus_->received().at(lcm_io::channel::kMonoFeatures).errors, 1);
   drive(1.0);
   EXPECT_LT(positionError(), 0.05);
 }
