@@ -31,7 +31,7 @@ double threadMilliseconds() {
 SamplePicture makeSample(int number) {
   cv::RNG random(static_cast<std::uint64_t>(number) + 1);
   const cv::Mat picture = renderClutter({256, 256}, &random);
-  return {picture, {cv::Point2f(0, 0), {255, 0}, {255, 255}, {0, 255}}};
+  return {picture, {cv::Point2f(0, 0), {255, 0}, {255, 255}, {0, 255}}, {}};
 }
 
 orb::Features featuresOf(const SamplePicture& sample, int side, double tilt, double direction, double noise,
