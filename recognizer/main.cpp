@@ -1,7 +1,9 @@
+#include "common/priority.h"
 #include "lcm_io/process.h"
 #include "recognizer/recognizer_node.h"
 
 int main(int argc, char** argv) {
+  rubble::common::lowerPriority(10);  // SLAM never waits for it.
   return rubble::lcm_io::runProcess(
       argc, argv,
       {.name = "recognizer",

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/priority.h"
 #include "loop/correction.h"
 #include "loop/loop_closer.h"
 #include "mapping/local_mapper.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::size_t kMostRequests = 3;  // to the mapper; more are not asked for
 constexpr std::size_t kMostLoopJobs = 8;  // keyframes; the oldest is dropped
+constexpr int kBehindTracking = 5;        // steps of nice: a pose does not wait for the map
 
 /// A keyframe to look for loops from, in the map where it is new.
 struct LoopJob {
@@ -56,6 +58,7 @@ struct LiveMonoSlam::State {
   }
 
   void runMapping() {
+    common::lowerPriority(kBehindTracking);
     std::unique_lock lock(mutex);
     while (true) {
       changed.wait(lock, [&] { return stopping || !requests.empty() || closure || full_bundle; });
@@ -111,6 +114,7 @@ struct LiveMonoSlam::State {
   }
 
   void runLoops() {
+    common::lowerPriority(kBehindTracking);
     std::unique_lock lock(mutex);
     while (true) {
       changed.wait(lock, [&] { return stopping || bundle_job || (!loop_jobs.empty() && !closure); });
