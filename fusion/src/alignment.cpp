@@ -20,12 +20,6 @@ using Vector7 = Eigen::Matrix<double, 7, 1>;
 
 constexpr int kIterations = 10;
 
-Matrix3d skew(const Vector3d& v) {
-  Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
 }  // namespace
 
 Pose3 Similarity::operator*(const Pose3& T_mono_camera) const {

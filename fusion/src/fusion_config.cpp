@@ -4,9 +4,11 @@ namespace rubble::fusion {
 
 void visit(common::ConfigSection& section, FusionConfig& config) {
   section.choice(
-      "mode", config.plane.mode, {"lsm", "lsm-robust"},
+      "mode", config.plane.mode, {"lsm", "lsm-robust", "joint"},
       "lsm: scale by axes and switching on height alone (Chen et al. 2017, eq. 8, 10); lsm-robust: one "
-      "alignment, switching on height, tilt and scans with hysteresis");
+      "alignment, switching on height, tilt and scans with hysteresis; joint: the same switching, the pose "
+      "by a "
+      "sliding window over both sensors");
   auto& plane = section.section("plane", "when the LiDAR's plane is usable (H)");
   plane.number("height_band", config.plane.height_band, "m", 0.01, 10.0,
                "to either side of the LiDAR's height over the level's floor");
@@ -51,6 +53,7 @@ void visit(common::ConfigSection& section, FusionConfig& config) {
   section.number(
       "restore_within", config.restore_within, "s", 0.0, 1e6,
       "age up to which a checkpoint is restored at start; an older one belongs to another mission");
+  visit(section.section("joint", "the sliding window of mode joint"), config.joint);
   visit(section.section("marks", "objects in the map"), config.marks);
 }
 

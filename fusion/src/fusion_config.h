@@ -2,6 +2,7 @@
 
 #include "alignment.h"
 #include "common/config.h"
+#include "joint/joint_window.h"
 #include "marks/object_marks.h"
 #include "plane_state.h"
 
@@ -11,6 +12,7 @@ namespace rubble::fusion {
 struct FusionConfig {
   PlaneStateConfig plane;
   AlignmentConfig alignment;
+  JointConfig joint;
   double window = 10.0;           ///< m of way in H that the alignment looks back
   double min_way = 0.3;           ///< m, before a first scale
   double max_scale_sigma = 0.05;  ///< relative; above it the scale is unknown

@@ -22,6 +22,7 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "fusion_config.h"
+#include "joint/point_scale.h"
 #include "lcm_io/channels.h"
 #include "lcm_io/conversions.h"
 #include "lcm_io/mono_map.h"
@@ -39,6 +40,7 @@ using lcm_io::NodeStatus;
 constexpr Utime kCommandPeriod = common::kMicrosecondsPerSecond / 100;
 constexpr Utime kCommandValid = common::kMicrosecondsPerSecond / 10;
 constexpr Utime kControlPeriod = common::kMicrosecondsPerSecond / 20;
+constexpr Utime kScalePeriod = common::kMicrosecondsPerSecond / 12;
 constexpr Utime kPathPeriod = common::kMicrosecondsPerSecond;
 constexpr Utime kStatePeriod = common::kMicrosecondsPerSecond / 2;
 constexpr double kVisionStarts = 1.0;  // m of driving, after which it should have
@@ -220,6 +222,7 @@ class FusionNode : public lcm_io::Node {
     const Utime late = bus_.now() - m.utime;
     log_offset_ = std::abs(late) < kLatest ? 0 : -late;
     counters_.blind += mono.tracking ? 0 : 1;
+    measureScale(mono);
     publish(fusion_.addMono(mono));
   }
 
@@ -229,6 +232,32 @@ class FusionNode : public lcm_io::Node {
     fusion_.addPictures(pictures, keyframes_, m.revision);
     keeper_.addPictures(pictures, m.revision);
     ++counters_.alignments;
+    for (const rubble::mono_map_point_t& point : m.points) {
+      points_.set(point.id, point.map_id,
+                  Eigen::Map<const Eigen::Vector3f>(point.p_mono_point).cast<double>());
+    }
+    for (const std::int64_t id : m.erased_points) {
+      points_.erase(id);
+    }
+  }
+
+  void measureScale(const MonoMeasurement& mono) {
+    if (!mono.tracking || mono.utime - last_scale_ < kScalePeriod) {
+      return;
+    }
+    // The beams ahead are in the middle of the sweep.
+    const Utime middle = common::utimeFromSeconds(0.5 * robot_.lidar_sweep_time_s);
+    const RangeScan* scan = keeper_.scanAt(mono.utime - middle);
+    if (scan == nullptr) {
+      return;
+    }
+    const auto known = fusion_.scaleOf(mono.map_id);
+    const auto measured = points_.measure(mono.map_id, mono.T_mono_camera, fusion_.T_camera_lidar(mono.utime),
+                                          *scan, known ? std::optional(std::log(*known)) : std::nullopt);
+    if (measured) {
+      fusion_.addScale(mono.utime, *measured);
+    }
+    last_scale_ = mono.utime;
   }
 
   void onLidarPose(const rubble::lidar_pose_t& m) {
@@ -348,6 +377,7 @@ class FusionNode : public lcm_io::Node {
   PoseFusion fusion_;
   common::KeyframePoses keyframes_;
   MarkKeeper keeper_;
+  PointScale points_;
   PathPublisher path_;
   std::optional<common::CheckpointWriter> checkpoint_;
 
@@ -359,6 +389,7 @@ class FusionNode : public lcm_io::Node {
   Utime last_contradiction_ = 0;
   Utime log_offset_ = 0;  // From the bus's time to the data's.
   Utime last_mono_ = 0;
+  Utime last_scale_ = 0;
   bool vision_started_ = false;  // By this process, or by the one whose checkpoint it restored.
   Utime last_control_ = 0;
   Utime last_command_ = 0;

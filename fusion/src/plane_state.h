@@ -10,7 +10,7 @@ namespace rubble::fusion {
 enum class ControlState { kH = 0, kM = 1, kR = 2 };
 
 struct PlaneStateConfig {
-  std::string mode = "lsm-robust";
+  std::string mode = "joint";
   double height_band = 0.25;     ///< m
   double largest_tilt = 0.0524;  ///< rad
   double leave_after = 0.2;      ///< s
@@ -30,7 +30,7 @@ struct Plane {
 };
 
 /// Decides between H (the LiDAR's plane is usable), M (it is not) and R (it is again, to be verified).
-/// Mode `lsm`: eq. 10 of Chen et al. 2017, height alone, at once. Mode `lsm-robust`: height, tilt of the
+/// Mode `lsm`: eq. 10 of Chen et al. 2017, height alone, at once. The other modes: height, tilt of the
 /// LiDAR's plane and agreement of the scans, with hysteresis in value and time; and a body that seems nearly
 /// level is no reason to stay in M: R asks the scans, for it may be vision that is wrong.
 class PlaneState {

@@ -75,7 +75,11 @@ PoseFusion::PoseFusion(const FusionConfig& config, const common::RobotConfig& ro
       robot_(robot),
       T_camera_body_(robot.T_body_camera().inverse()),
       plane_(config.plane),
-      window_(config, robot.T_body_camera()) {}
+      window_(config, robot.T_body_camera()) {
+  if (config.plane.mode == "joint") {
+    joint_.emplace(config.joint, T_camera_body_);
+  }
+}
 
 void PoseFusion::addPlate(Utime utime, double roll, double pitch) { plate_.add(utime, {roll, pitch}); }
 
@@ -143,8 +147,8 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
   const bool goes_on = last != nullptr && last->tracking && last->map_id == mono.map_id &&
                        last->map_revision == mono.map_revision;
   if (goes_on) {
-    Pose3 T = last->T_world_camera *
-              scaled(last->T_mono_camera.inverse() * mono.T_mono_camera, alignment.S_world_mono.scale);
+    Pose3 T = last->T_world_camera * scaled(last->T_mono_camera.inverse() * mono.T_mono_camera,
+                                            jointHolds() ? joint_->scale() : alignment.S_world_mono.scale);
     if (!visionCarries()) {
       T.translation() = T_predicted.translation();
     }
@@ -193,6 +197,11 @@ RobotState PoseFusion::state() const {
   const double tilt = attitude_known_ ? 0.01 + 0.002 * time_without_vision_ : 0.5;
   P(3, 3) = P(4, 4) = tilt * tilt;
   P(5, 5) = lidar_covariance_(2, 2) + 1e-5 + 1e-4 * drift_;
+  if (jointHolds()) {
+    Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();
+    J.topRightCorner<3, 3>() = -skew(track.T_world_camera.linear() * T_camera_body_.translation());
+    P = J * joint_->covariance() * J.transpose();
+  }
   return state;
 }
 
@@ -206,6 +215,12 @@ RobotState PoseFusion::addTrack(const Track& track) {
   }
   path_.add(track);
   watchAttitude();
+  if (joint_ && visionCarries()) {
+    const MapAlignment& map = maps_.at(map_id_);
+    joint_->follow(path_, map.S_world_mono.scale, map.scale_sigma, plane_.state());
+  } else if (joint_) {
+    joint_->stop();
+  }
   useWaiting();
   plane_.addPlane(track.utime, planeOf(path_.last().T_world_camera, track.utime), attitude_known_);
   return state();
@@ -340,9 +355,15 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
       (visionCarries() && !returned && (returns || !near))) {
     return;
   }
-  const double gain = visionCarries() && !returned && anchored_ ? config_.lidar_gain : 1.0;
-  path_.correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
-                            {gain * shift.x(), gain * shift.y(), 0.0}));
+  if (jointHolds() && anchored_) {
+    joint_->addLidar(path_, lidar.utime,
+                     {T_camera_lidar(lidar.utime), lidar.T_world_lidar, lidar_velocity_, lidar.covariance},
+                     plane_.state(), returned);
+  } else {
+    const double gain = visionCarries() && !returned && anchored_ ? config_.lidar_gain : 1.0;
+    path_.correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
+                              {gain * shift.x(), gain * shift.y(), 0.0}));
+  }
   noteVelocity(lidar);
   anchored_ = true;
   drift_ = attitude_known_ ? 0.0 : drift_;
@@ -360,6 +381,24 @@ void PoseFusion::distrustVision() {
     map.S_world_mono.R = last.T_world_camera.linear() * last.T_mono_camera.linear().transpose();
   }
   window_.clear();
+  if (joint_) {
+    joint_->stop();
+  }
+}
+
+void PoseFusion::addScale(Utime utime, double log_scale) {
+  if (joint_) {
+    joint_->addScale(utime, log_scale);
+  }
+}
+
+std::optional<double> PoseFusion::scaleOf(std::int32_t map_id) const {
+  if (jointHolds() && map_id == map_id_) {
+    return joint_->scale();
+  }
+  const auto known = maps_.find(map_id);
+  return known != maps_.end() && known->second.scale_known ? std::optional(known->second.S_world_mono.scale)
+                                                           : std::nullopt;
 }
 
 void PoseFusion::addPictures(std::span<const common::AnchoredPose> pictures,
@@ -396,7 +435,7 @@ void PoseFusion::solve(const common::KeyframePoses& keyframes) {
   if (const auto solved = window_.solve(map_id_, keyframes, map->second)) {
     map->second = *solved;
     const Track& last = path_.last();
-    if (last.tracking && last.map_id == map_id_ && last.map_revision == map_revision_) {
+    if (last.tracking && last.map_id == map_id_ && last.map_revision == map_revision_ && !jointHolds()) {
       const Pose3 T_world_camera = solved->S_world_mono * last.T_mono_camera;
       if (plane_.state() == ControlState::kH) {
         pullToAlignment(T_world_camera);

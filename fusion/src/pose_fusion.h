@@ -14,6 +14,7 @@
 #include "common/robot_config.h"
 #include "fusion_config.h"
 #include "fusion_memory.h"
+#include "joint/joint_path.h"
 #include "levelling.h"
 #include "recent_path.h"
 
@@ -49,8 +50,8 @@ struct RobotState {
 
 /// Joins the planar pose of grid SLAM with the 6D pose of monocular SLAM (Chen et al. 2017, section IV). In H
 /// the LiDAR gives x, y and heading; vision carries the pose from one scan to the next and gives height and
-/// tilt. In M vision carries it alone, at the scale and attitude that were learnt in H. Synchronous,
-/// deterministic, one owner.
+/// tilt. In M vision carries it alone, at the scale and attitude that were learnt in H. In mode joint a
+/// sliding window holds the pose once the scale is firm. Synchronous, deterministic, one owner.
 class PoseFusion {
  public:
   PoseFusion(const FusionConfig& config, const common::RobotConfig& robot);
@@ -67,6 +68,9 @@ class PoseFusion {
   void addPictures(std::span<const common::AnchoredPose> pictures, const common::KeyframePoses& keyframes,
                    std::int64_t revision);
 
+  /// Mode joint: the scale (logarithm) that the LiDAR's ranges show at a picture of the present map.
+  void addScale(common::Utime utime, double log_scale);
+
   const PlaneState& plane() const { return plane_; }
   /// Where the LiDAR sits on the camera, with the plate as it stood.
   common::Pose3 T_camera_lidar(common::Utime utime) const;
@@ -77,6 +81,8 @@ class PoseFusion {
   std::int64_t mapRevision() const { return map_revision_; }
   /// Of the present monocular map; empty before its first picture.
   std::optional<MapAlignment> alignment() const;
+  /// Metres per unit of a monocular map, as far as it is known.
+  std::optional<double> scaleOf(std::int32_t map_id) const;
   bool visionTracks() const { return !path_.empty() && path_.last().tracking; }
   /// Time of the last scan that the pose has followed; 0: none yet.
   common::Utime lastLidar() const { return last_lidar_; }
@@ -114,6 +120,8 @@ class PoseFusion {
   /// In M: a correction of the map has taken out the drift since.
   void goToAlignment(const common::Pose3& T_world_camera);
 
+  bool jointHolds() const { return joint_ && joint_->active(); }
+
   const FusionConfig config_;
   const common::RobotConfig robot_;
   const common::Pose3 T_camera_body_;
@@ -127,6 +135,7 @@ class PoseFusion {
   Eigen::Vector3d lidar_velocity_ = Eigen::Vector3d::Zero();  // x, y m/s, heading rad/s in world
   Eigen::Matrix3d lidar_covariance_ = Eigen::Matrix3d::Identity();
   RecentPath path_;
+  std::optional<JointPath> joint_;  // In mode joint.
   AlignmentWindow window_;
   std::map<std::int32_t, MapAlignment> maps_;
   std::int32_t map_id_ = 0;

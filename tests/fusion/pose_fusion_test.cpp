@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "drive.h"
@@ -17,8 +18,14 @@ constexpr double kSpeed = 0.5;  // m/s
 constexpr Utime kPicture = 100'000;
 constexpr Utime kScan = 25'000;
 
+FusionConfig inMode(const char* mode) {
+  FusionConfig config;
+  config.plane.mode = mode;
+  return config;
+}
+
 /// A drive over level floor; the LiDAR sees it as it is, vision at a scale that the test decides.
-class PoseFusionTest : public testing::Test {
+class PoseFusionTest : public testing::TestWithParam<const char*> {
  protected:
   /// Drives on; returns the farthest that the pose was off, m. `scale`: of vision's steps.
   double drive(double metres, double scale) {
@@ -47,7 +54,7 @@ class PoseFusionTest : public testing::Test {
   void tiltVision(double angle) { T_mono_camera_.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX())); }
 
   const common::RobotConfig robot_ = test::robot();
-  PoseFusion fusion_{FusionConfig{}, robot_};
+  PoseFusion fusion_{inMode(GetParam()), robot_};
 
  private:
   double picture(const Pose3& T_world_body, double scale) {
@@ -77,7 +84,7 @@ class PoseFusionTest : public testing::Test {
   std::vector<common::AnchoredPose> pictures_;
 };
 
-TEST_F(PoseFusionTest, AYoungScaleIsNotHeldAgainstTheLidar) {
+TEST_P(PoseFusionTest, AYoungScaleIsNotHeldAgainstTheLidar) {
   EXPECT_LT(drive(5.0, 1.0), 0.03);
   newMap();
   // As in a map that was begun in a turn.
@@ -86,7 +93,7 @@ TEST_F(PoseFusionTest, AYoungScaleIsNotHeldAgainstTheLidar) {
   EXPECT_EQ(fusion_.plane().contradicted(), 0);
 }
 
-TEST_F(PoseFusionTest, AScaleThatRanAwayOnLevelGroundIsLearntAnewAtOnce) {
+TEST_P(PoseFusionTest, AScaleThatRanAwayOnLevelGroundIsLearntAnewAtOnce) {
   EXPECT_LT(drive(8.0, 1.0), 0.03);
   EXPECT_LT(drive(1.0, 2.5), 0.35);
   EXPECT_EQ(fusion_.plane().contradicted(), 1);
@@ -95,7 +102,7 @@ TEST_F(PoseFusionTest, AScaleThatRanAwayOnLevelGroundIsLearntAnewAtOnce) {
   EXPECT_EQ(fusion_.plane().state(), ControlState::kH);
 }
 
-TEST_F(PoseFusionTest, AfterALidarThatInsistedVisionIsNotBelievedAgain) {
+TEST_P(PoseFusionTest, AfterALidarThatInsistedVisionIsNotBelievedAgain) {
   drive(8.0, 1.0);
   tiltVision(0.07);
   drive(1.2, 2.5);
@@ -106,6 +113,10 @@ TEST_F(PoseFusionTest, AfterALidarThatInsistedVisionIsNotBelievedAgain) {
   EXPECT_EQ(fusion_.plane().contradicted(), 0);
   EXPECT_EQ(fusion_.plane().state(), ControlState::kH);
 }
+
+INSTANTIATE_TEST_SUITE_P(Modes, PoseFusionTest, testing::Values("lsm-robust", "joint"), [](const auto& mode) {
+  return std::string(mode.param) == "joint" ? "Joint" : "LsmRobust";
+});
 
 }  // namespace
 }  // namespace rubble::fusion

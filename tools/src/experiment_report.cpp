@@ -72,7 +72,7 @@ std::string recognitionReport(const std::vector<SeedScores>& seeds) {
   std::string text = fmt::format(
       "\n## Monocular SLAM and recognition\n\nSeen: in plain sight of {} pixels or more in ten pictures. "
       "Marks are "
-      "lsm-robust's.\n\n| seed | pictures tracked % | final ATE RMSE m, Sim(3) | objects found / seen | "
+      "joint's.\n\n| seed | pictures tracked % | final ATE RMSE m, Sim(3) | objects found / seen | "
       "false marks | "
       "position error median / p95 m |\n|---|---|---|---|---|---|\n",
       kSeenPixels);

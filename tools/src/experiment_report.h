@@ -16,9 +16,9 @@ struct Method {
   const char* mode;  // fusion.mode
 };
 
-inline constexpr std::array kMethods = {Method{"grid", "grid SLAM alone", false, "lsm"},
-                                        Method{"lsm", "lsm", true, "lsm"},
-                                        Method{"lsm-robust", "lsm-robust", true, "lsm-robust"}};
+inline constexpr std::array kMethods = {
+    Method{"grid", "grid SLAM alone", false, "lsm"}, Method{"lsm", "lsm", true, "lsm"},
+    Method{"lsm-robust", "lsm-robust", true, "lsm-robust"}, Method{"joint", "joint", true, "joint"}};
 
 /// Against the truth, aligned at the start; the worst values until it is known better.
 struct Score {

@@ -39,6 +39,9 @@ class MarkKeeper {
   /// Pictures with sightings that came too late for their pose, or while the attitude was unknown.
   std::int64_t misses() const { return misses_; }
 
+  /// The scan nearest to that time; null without one within 50 ms.
+  const RangeScan* scanAt(common::Utime utime) const;
+
  private:
   void onScan(const bot_core::planar_lidar_t& scan);
   void onFeatures(const rubble::mono_features_t& message);
@@ -49,7 +52,6 @@ class MarkKeeper {
   std::vector<Sighting> sightingsOf(const rubble::detections_t& message, const PicturePlace& place) const;
   /// The features in a solid thing's box; none where they were lost on the bus.
   std::vector<BoxFeature> featuresIn(const rubble::detection_t& detection, common::Utime utime) const;
-  const RangeScan* scanAt(common::Utime utime) const;
   std::optional<Similarity> locate(std::int32_t keyframe_id) const;
 
   lcm_io::Bus& bus_;

@@ -1,0 +1,125 @@
+#include "joint/joint_path.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace rubble::fusion {
+
+using common::Pose3;
+using common::Utime;
+
+namespace {
+
+/// States come at most so often; in H, where they should come with a scan, without any after so long.
+constexpr Utime kPeriod = common::kMicrosecondsPerSecond / 10;
+constexpr Utime kSilence = common::kMicrosecondsPerSecond / 4;
+/// What is known where the window begins: m, rad, s.
+constexpr double kStartPosition = 0.02;
+constexpr double kStartRotation = 0.01;
+constexpr double kStartClock = 0.01;
+/// A correction of the monocular map changes its scale here by about so much.
+constexpr double kCorrectedScale = 0.03;
+constexpr double kLeastScaleSigma = 0.01;
+/// The floor is flat and level up to this (m, rad). A body that could stand on it by all that is known (so
+/// many deviations), and could over this way (m), does.
+constexpr double kFloorHeight = 0.015;
+constexpr double kFloorTilt = 0.007;
+constexpr double kGate = 3.0;
+constexpr double kFloorWay = 0.3;
+
+}  // namespace
+
+JointPath::JointPath(const JointConfig& config, const Pose3& T_camera_body)
+    : T_camera_body_(T_camera_body), window_(config, T_camera_body) {}
+
+double JointPath::scale() const { return std::exp(estimate_->state.log_scale); }
+
+Eigen::Matrix<double, 6, 6> JointPath::covariance() const {
+  return estimate_->covariance.topLeftCorner<6, 6>();
+}
+
+void JointPath::addScale(Utime utime, double log_scale) { scale_ = Scale{utime, log_scale}; }
+
+void JointPath::begin(const Track& last, double scale, double scale_sigma) {
+  JointState state;
+  JointVector sigmas;
+  if (active()) {
+    state = estimate_->state;
+    sigmas = estimate_->covariance.diagonal().cwiseSqrt();
+    sigmas(6) = std::max(sigmas(6), kCorrectedScale);
+  } else {
+    state.log_scale = std::log(scale);
+    sigmas << Eigen::Vector3d::Constant(kStartPosition), Eigen::Vector3d::Constant(kStartRotation),
+        std::max(scale_sigma, kLeastScaleSigma), kStartClock;
+  }
+  state.T_world_camera = last.T_world_camera;
+  window_.restart(state, sigmas);
+  estimate_ = window_.solve();
+  utime_ = last.utime;
+  map_id_ = last.map_id;
+  map_revision_ = last.map_revision;
+  floor_way_ = 0.0;
+}
+
+void JointPath::follow(RecentPath& path, double scale, double scale_sigma, ControlState state) {
+  const Track& last = path.last();
+  if (active() && last.map_id != map_id_) {
+    stop();
+  }
+  if (!active() || last.map_revision != map_revision_) {
+    begin(last, scale, scale_sigma);
+  } else if (last.utime - utime_ >= (state == ControlState::kH ? kSilence : kPeriod)) {
+    add(path, last.utime, std::nullopt, state);
+  }
+}
+
+void JointPath::addLidar(RecentPath& path, Utime utime, const LidarFix& lidar, ControlState state,
+                         bool at_once) {
+  if (utime - utime_ >= (at_once ? 1 : kPeriod)) {
+    add(path, utime, lidar, state);
+  }
+}
+
+bool JointPath::standsOnFloor(const Pose3& T_world_camera, double way, ControlState state) {
+  const Pose3 T_world_body = T_world_camera * T_camera_body_;
+  const Eigen::Vector3d up = T_world_body.linear().col(2);
+  const JointMatrix& P = estimate_->covariance;
+  // A turn about x moves the body's up along -y, one about y along x.
+  const bool may =
+      state == ControlState::kH &&
+      std::abs(T_world_body.translation().z()) <= kGate * std::hypot(kFloorHeight, std::sqrt(P(2, 2))) &&
+      std::abs(up.y()) <= kGate * std::hypot(kFloorTilt, std::sqrt(P(3, 3))) &&
+      std::abs(up.x()) <= kGate * std::hypot(kFloorTilt, std::sqrt(P(4, 4)));
+  floor_way_ = may ? floor_way_ + way : 0.0;
+  return floor_way_ >= kFloorWay;
+}
+
+void JointPath::add(RecentPath& path, Utime utime, const std::optional<LidarFix>& lidar, ControlState state) {
+  const auto before = path.at(utime_);
+  const auto now = path.at(utime);
+  if (!before || !now) {
+    begin(path.last(), scale(), 0.0);
+    return;
+  }
+  const Pose3 T_before_now = before->inverse() * *now;
+  const double way = T_before_now.translation().norm();
+  JointMeasurements measured;
+  measured.lidar = lidar;
+  if (standsOnFloor(*now, way, state)) {
+    measured.floor = 0.0;
+  }
+  if (scale_ && utime - scale_->utime < kPeriod) {
+    measured.log_scale = scale_->log_scale;
+  }
+  scale_.reset();
+  window_.add(T_before_now, estimate_->state.log_scale, way, Eigen::AngleAxisd(T_before_now.linear()).angle(),
+              measured);
+  estimate_ = window_.solve();
+  utime_ = utime;
+  Pose3 T = estimate_->state.T_world_camera * now->inverse();
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  path.correct(T);
+}
+
+}  // namespace rubble::fusion
