@@ -261,14 +261,18 @@ class FusionNode : public lcm_io::Node {
   }
 
   void onLidarPose(const rubble::lidar_pose_t& m) {
-    if (!std::isfinite(m.x) || !std::isfinite(m.y) || !std::isfinite(m.yaw)) {
+    const Eigen::Matrix3d covariance = Eigen::Map<const Eigen::Matrix3d>(m.covariance);
+    if (!std::isfinite(m.x) || !std::isfinite(m.y) || !std::isfinite(m.yaw) || !covariance.allFinite()) {
       throw common::Error("a pose that is not finite");
+    }
+    if (covariance.ldlt().vectorD().minCoeff() < 0.0) {
+      throw common::Error("a covariance that is not positive semidefinite");
     }
     ++lidar_poses_;
     LidarMeasurement lidar;
     lidar.utime = m.utime;
     lidar.T_world_lidar = {m.x, m.y, m.yaw};
-    lidar.covariance = Eigen::Map<const Eigen::Matrix3d>(m.covariance);
+    lidar.covariance = covariance;
     lidar.good = m.status == rubble::lidar_pose_t::STATUS_GOOD;
     lidar.revision = m.control_revision;
     lidar.tilt_guessed = (m.flags & rubble::lidar_pose_t::FLAG_ATTITUDE_EXTRAPOLATED) != 0;

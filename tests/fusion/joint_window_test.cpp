@@ -71,8 +71,7 @@ struct Drive {
         measured.lidar = fix;
       }
       measured.floor = floor ? std::optional(0.0) : std::nullopt;
-      window.add(motion, 0.0, motion.translation().norm(), Eigen::AngleAxisd(motion.linear()).angle(),
-                 measured);
+      window.add({motion, 0.0}, measured);
       if (i % 5 == 0) {
         estimate = window.solve();
       }
@@ -118,7 +117,7 @@ TEST(JointWindow, CovarianceCoversTheErrors) {
   JointConfig config;
   config.window = 8;
   Drive drive;
-  drive.motion_noise = 1e-3 + config.motion_position * std::sqrt(0.1 * kStep);
+  drive.motion_noise = 1e-3 + config.motion_position * std::sqrt(kStep);
   drive.turn_noise = config.motion_rotation * std::sqrt(kStep);
   drive.lidar_noise = config.lidar_position;
   for (const int lidar_until : {60, 30}) {

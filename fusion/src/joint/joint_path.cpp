@@ -106,18 +106,16 @@ void JointPath::add(RecentPath& path, Utime utime, const std::optional<LidarFix>
     return;
   }
   const Pose3 T_before_now = before->inverse() * *now;
-  const double way = T_before_now.translation().norm();
   JointMeasurements measured;
   measured.lidar = lidar;
-  if (standsOnFloor(*now, way, state)) {
+  if (standsOnFloor(*now, T_before_now.translation().norm(), state)) {
     measured.floor = 0.0;
   }
   if (scale_ && utime - scale_->utime < kPeriod) {
     measured.log_scale = scale_->log_scale;
   }
   scale_.reset();
-  window_.add(T_before_now, estimate_->state.log_scale, way, Eigen::AngleAxisd(T_before_now.linear()).angle(),
-              measured);
+  window_.add({T_before_now, estimate_->state.log_scale}, measured);
   estimate_ = window_.solve();
   utime_ = utime;
   Pose3 T = estimate_->state.T_world_camera * now->inverse();

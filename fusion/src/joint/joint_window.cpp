@@ -4,8 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -27,8 +27,6 @@ constexpr double kRangeLoss = 1.0;
 /// The clocks hardly drift: s per root of a metre.
 constexpr double kClockWalk = 1e-5;
 constexpr double kStanding = 1e-3;  // m, least motion that deviations are reckoned with
-
-using Block8 = Eigen::Matrix<double, kJointSize, kJointSize, Eigen::RowMajor>;
 
 JointMatrix upperRoot(const JointMatrix& information) {
   return Eigen::LLT<JointMatrix>(information).matrixU();
@@ -73,42 +71,6 @@ void evaluate(const Cost& cost, Eigen::VectorXd& r, std::array<Eigen::MatrixXd, 
   }
 }
 
-}  // namespace
-
-void visit(common::ConfigSection& section, JointConfig& config) {
-  section.integer("window", config.window, "", 2, 200, "states");
-  section.number("motion_position", config.motion_position, "", 1e-5, 1.0,
-                 "of vision's motion: share of the way");
-  section.number("motion_rotation", config.motion_rotation, "rad/sqrt(m)", 1e-6, 1.0,
-                 "walk of vision's attitude");
-  section.number("turn_rotation", config.turn_rotation, "", 1e-6, 1.0, "of vision's turns");
-  section.number("scale_walk", config.scale_walk, "1/sqrt(m)", 1e-6, 1.0, "walk of vision's scale");
-  section.number("scale_turn", config.scale_turn, "1/sqrt(rad)", 1e-6, 1.0, "the same in turns");
-  section.flag("lidar", config.lidar, "grid SLAM's poses");
-  section.number("lidar_position", config.lidar_position, "m", 1e-4, 1.0, "beyond what the scan says");
-  section.number("lidar_slope", config.lidar_slope, "m/rad", 0.0, 10.0,
-                 "the same by the body's tilt: a level scan slides on the slope ahead");
-  section.number("lidar_heading", config.lidar_heading, "rad", 1e-5, 1.0, "beyond what the scan says");
-  section.flag("floor", config.floor, "the body stands on the level's floor in H");
-  section.number("floor_height", config.floor_height, "m", 1e-3, 10.0, "for one state");
-  section.number("floor_tilt", config.floor_tilt, "rad", 1e-3, 10.0, "for one state");
-  section.flag("ranges", config.ranges, "the LiDAR's ranges at map points");
-  section.number("range_scale", config.range_scale, "", 1e-4, 1.0, "for one state");
-  section.flag("clock", config.clock, "the clocks' offset is estimated");
-}
-
-JointWindow::JointWindow(const JointConfig& config, const Pose3& T_camera_body)
-    : config_(config), T_camera_body_(T_camera_body) {}
-
-void JointWindow::restart(const JointState& state, const JointVector& sigmas) {
-  nodes_.clear();
-  nodes_.push_back({state, std::nullopt, {}});
-  prior_.mean = state;
-  prior_.information = sigmas.cwiseInverse().cwiseAbs2().asDiagonal();
-}
-
-namespace {
-
 std::vector<Cost> unaryCosts(const JointState& state, const JointMeasurements& measured,
                              const JointConfig& config, const Pose3& T_camera_body) {
   std::vector<Cost> costs;
@@ -137,11 +99,13 @@ std::vector<Cost> unaryCosts(const JointState& state, const JointMeasurements& m
   return costs;
 }
 
-Cost motionCost(const JointState& from, const JointState& to, const Pose3& T_from_to, double log_scale,
-                double way, double turn, const JointConfig& config) {
+Cost motionCost(const JointState& from, const JointState& to, const VisionMotion& motion,
+                const JointConfig& config) {
+  const double way = motion.T_from_to.translation().norm();
+  const double turn = Eigen::AngleAxisd(motion.T_from_to.linear()).angle();
   const double moved = way + kStanding;
-  MotionFactor factor{from, to, T_from_to, log_scale, 0.0, 0.0, 0.0, 0.0};
-  factor.position_sigma = kStanding + config.motion_position * std::sqrt(way * 0.1);
+  MotionFactor factor{from, to, motion.T_from_to, motion.log_scale, 0.0, 0.0, 0.0, 0.0};
+  factor.position_sigma = kStanding + config.motion_position * std::sqrt(way);
   factor.rotation_sigma = config.motion_rotation * std::sqrt(moved) + config.turn_rotation * turn;
   factor.scale_sigma = std::hypot(config.scale_walk * std::sqrt(moved), config.scale_turn * std::sqrt(turn));
   factor.clock_sigma = kClockWalk * std::sqrt(moved);
@@ -151,6 +115,38 @@ Cost motionCost(const JointState& from, const JointState& to, const Pose3& T_fro
 }
 
 }  // namespace
+
+void visit(common::ConfigSection& section, JointConfig& config) {
+  section.integer("window", config.window, "", 2, 200, "states");
+  section.number("motion_position", config.motion_position, "m/sqrt(m)", 1e-5, 1.0,
+                 "walk of vision's position");
+  section.number("motion_rotation", config.motion_rotation, "rad/sqrt(m)", 1e-6, 1.0,
+                 "walk of vision's attitude");
+  section.number("turn_rotation", config.turn_rotation, "", 1e-6, 1.0, "the same, share of a turn");
+  section.number("scale_walk", config.scale_walk, "1/sqrt(m)", 1e-6, 1.0, "walk of vision's scale");
+  section.number("scale_turn", config.scale_turn, "1/sqrt(rad)", 1e-6, 1.0, "the same in turns");
+  section.flag("lidar", config.lidar, "grid SLAM's poses");
+  section.number("lidar_position", config.lidar_position, "m", 1e-4, 1.0, "beyond what the scan says");
+  section.number("lidar_slope", config.lidar_slope, "m/rad", 0.0, 10.0,
+                 "the same by the body's tilt: a level scan slides on the slope ahead");
+  section.number("lidar_heading", config.lidar_heading, "rad", 1e-5, 1.0, "beyond what the scan says");
+  section.flag("floor", config.floor, "the body stands on the level's floor in H");
+  section.number("floor_height", config.floor_height, "m", 1e-3, 10.0, "for one state");
+  section.number("floor_tilt", config.floor_tilt, "rad", 1e-3, 10.0, "for one state");
+  section.flag("ranges", config.ranges, "the LiDAR's ranges at map points");
+  section.number("range_scale", config.range_scale, "", 1e-4, 1.0, "for one state");
+  section.flag("clock", config.clock, "the clocks' offset is estimated");
+}
+
+JointWindow::JointWindow(const JointConfig& config, const Pose3& T_camera_body)
+    : config_(config), T_camera_body_(T_camera_body) {}
+
+void JointWindow::restart(const JointState& state, const JointVector& sigmas) {
+  nodes_.clear();
+  nodes_.push_back({state, std::nullopt, {}});
+  prior_.mean = state;
+  prior_.information = sigmas.cwiseInverse().cwiseAbs2().asDiagonal();
+}
 
 void JointWindow::addUnary(std::size_t i, JointMatrix& H, JointVector& b) const {
   for (const Cost& cost : unaryCosts(nodes_[i].state, nodes_[i].measured, config_, T_camera_body_)) {
@@ -176,9 +172,8 @@ JointWindow::Belief JointWindow::passOn(const Belief& belief, std::size_t i) con
     ba += J[0].transpose() * r;
   }
   addUnary(i, Haa, ba);
-  const Motion& m = *to.motion;
   std::array<Eigen::MatrixXd, 2> J;
-  evaluate<2>(motionCost(from.state, to.state, m.T_from_to, m.log_scale, m.way, m.turn, config_), r, J);
+  evaluate<2>(motionCost(from.state, to.state, *to.motion, config_), r, J);
   Haa += J[0].transpose() * J[0];
   ba += J[0].transpose() * r;
   const JointMatrix Hab = J[0].transpose() * J[1];
@@ -194,15 +189,14 @@ JointWindow::Belief JointWindow::passOn(const Belief& belief, std::size_t i) con
   return next;
 }
 
-void JointWindow::add(const Pose3& T_from_to, double log_scale, double way, double turn,
-                      const JointMeasurements& measured) {
-  const Node& last = nodes_.back();
+void JointWindow::add(const VisionMotion& motion, const JointMeasurements& measured) {
+  const JointState& last = nodes_.back().state;
   Node node;
-  node.state = last.state;
-  Pose3 T = T_from_to;
-  T.translation() *= std::exp(last.state.log_scale - log_scale);
-  node.state.T_world_camera = last.state.T_world_camera * T;
-  node.motion = Motion{T_from_to, log_scale, way, turn};
+  node.state = last;
+  Pose3 T = motion.T_from_to;
+  T.translation() *= std::exp(last.log_scale - motion.log_scale);
+  node.state.T_world_camera = last.T_world_camera * T;
+  node.motion = motion;
   node.measured = measured;
   nodes_.push_back(node);
   if (nodes_.size() > static_cast<std::size_t>(config_.window)) {
@@ -230,9 +224,8 @@ JointEstimate JointWindow::solve() {
       add(std::move(cost), deltas[i].data());
     }
     if (i > 0) {
-      const Motion& m = *nodes_[i].motion;
-      add(motionCost(nodes_[i - 1].state, nodes_[i].state, m.T_from_to, m.log_scale, m.way, m.turn, config_),
-          deltas[i - 1].data(), deltas[i].data());
+      add(motionCost(nodes_[i - 1].state, nodes_[i].state, *nodes_[i].motion, config_), deltas[i - 1].data(),
+          deltas[i].data());
     }
   }
   ceres::Solver::Options solver;

@@ -12,7 +12,7 @@ namespace rubble::fusion {
 /// Deviations, and which factors are used.
 struct JointConfig {
   int window = 20;                  ///< states
-  double motion_position = 0.012;   ///< share of the way
+  double motion_position = 0.0038;  ///< m per root of a metre
   double motion_rotation = 0.0008;  ///< rad per root of a metre
   double turn_rotation = 0.004;     ///< share of the turn
   double scale_walk = 0.005;        ///< per root of a metre
@@ -25,18 +25,24 @@ struct JointConfig {
   double floor_height = 0.05;  ///< m, per state
   double floor_tilt = 0.02;    ///< rad, per state
   bool ranges = true;
-  double range_scale = 0.03;  ///< per state
+  double range_scale = 0.1;  ///< per state; those of a second err alike
   bool clock = true;
 };
 
 void visit(common::ConfigSection& section, JointConfig& config);
+
+/// From one state to the next.
+struct VisionMotion {
+  common::Pose3 T_from_to;  ///< m, at this scale
+  double log_scale;
+};
 
 /// Grid SLAM's pose at a state's time.
 struct LidarFix {
   common::Pose3 T_camera_lidar;
   common::Pose2 T_world_lidar;
   Eigen::Vector3d velocity;    ///< m/s, m/s, rad/s in world
-  Eigen::Matrix3d covariance;  ///< of x, y, yaw
+  Eigen::Matrix3d covariance;  ///< of x, y, yaw; positive definite
 };
 
 /// What is known at a new state beside vision's motion.
@@ -62,22 +68,15 @@ class JointWindow {
   void restart(const JointState& state, const JointVector& sigmas);
   bool empty() const { return nodes_.empty(); }
 
-  /// A state after motion T_from_to (m, at `log_scale`) over `way` (m) and `turn` (rad).
-  void add(const common::Pose3& T_from_to, double log_scale, double way, double turn,
-           const JointMeasurements& measured);
+  /// A state after that motion.
+  void add(const VisionMotion& motion, const JointMeasurements& measured);
   /// The newest state by all of the window.
   JointEstimate solve();
 
  private:
-  struct Motion {
-    common::Pose3 T_from_to;
-    double log_scale;
-    double way;
-    double turn;
-  };
   struct Node {
     JointState state;
-    std::optional<Motion> motion;  // From the node before.
+    std::optional<VisionMotion> motion;  // From the node before.
     JointMeasurements measured;
   };
   struct Belief {
