@@ -222,8 +222,8 @@ class FusionNode : public lcm_io::Node {
     const Utime late = bus_.now() - m.utime;
     log_offset_ = std::abs(late) < kLatest ? 0 : -late;
     counters_.blind += mono.tracking ? 0 : 1;
-    measureScale(mono);
     publish(fusion_.addMono(mono));
+    measureScale(mono);
   }
 
   void onMonoMap(const rubble::mono_map_t& m) {

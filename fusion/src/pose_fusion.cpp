@@ -363,6 +363,9 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
     const double gain = visionCarries() && !returned && anchored_ ? config_.lidar_gain : 1.0;
     path_.correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
                               {gain * shift.x(), gain * shift.y(), 0.0}));
+    if (joint_) {
+      joint_->stop();  // It begins anew from here.
+    }
   }
   noteVelocity(lidar);
   anchored_ = true;

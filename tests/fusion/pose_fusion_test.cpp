@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drive.h"
@@ -34,11 +36,11 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
       now_ += kScan;
       way_ += kSpeed * common::secondsFromUtime(kScan);
       const Pose3 T_world_body = test::windingPath(way_);
-      fusion_.addLidar({.utime = now_,
-                        .T_world_lidar = test::level(T_world_body * robot_.T_body_lidar()),
-                        .covariance = 1e-4 * Eigen::Matrix3d::Identity(),
-                        .good = true,
-                        .revision = fusion_.plane().revision()});
+      fusion_->addLidar({.utime = now_,
+                         .T_world_lidar = test::level(T_world_body * robot_.T_body_lidar()),
+                         .covariance = 1e-4 * Eigen::Matrix3d::Identity(),
+                         .good = true,
+                         .revision = fusion_->plane().revision()});
       if (now_ % kPicture == 0) {
         farthest = std::max(farthest, picture(T_world_body, scale));
       }
@@ -54,7 +56,7 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
   void tiltVision(double angle) { T_mono_camera_.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX())); }
 
   const common::RobotConfig robot_ = test::robot();
-  PoseFusion fusion_{inMode(GetParam()), robot_};
+  std::optional<PoseFusion> fusion_{std::in_place, inMode(GetParam()), robot_};
 
  private:
   double picture(const Pose3& T_world_body, double scale) {
@@ -63,12 +65,12 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     step.translation() /= scale;
     T_mono_camera_ = T_mono_camera_ * step;
     T_world_camera_ = T_world_camera;
-    const RobotState state = fusion_.addMono({now_, true, map_id_, 0, T_mono_camera_});
+    const RobotState state = fusion_->addMono({now_, true, map_id_, 0, T_mono_camera_});
     // One keyframe for each picture.
     keyframes_.set(next_keyframe_, {.map_id = map_id_, .T_parent_camera = T_mono_camera_});
     pictures_.push_back({.utime = now_, .keyframe_id = next_keyframe_++});
     if (pictures_.size() == 5) {
-      fusion_.addPictures(pictures_, keyframes_, 0);
+      fusion_->addPictures(pictures_, keyframes_, 0);
       pictures_.clear();
     }
     return (state.T_world_body.translation() - T_world_body.translation()).norm();
@@ -90,28 +92,38 @@ TEST_P(PoseFusionTest, AYoungScaleIsNotHeldAgainstTheLidar) {
   // As in a map that was begun in a turn.
   EXPECT_LT(drive(1.0, 1.0), 0.05);
   EXPECT_LT(drive(4.0, 2.5), 0.05);
-  EXPECT_EQ(fusion_.plane().contradicted(), 0);
+  EXPECT_EQ(fusion_->plane().contradicted(), 0);
 }
 
 TEST_P(PoseFusionTest, AScaleThatRanAwayOnLevelGroundIsLearntAnewAtOnce) {
   EXPECT_LT(drive(8.0, 1.0), 0.03);
   EXPECT_LT(drive(1.0, 2.5), 0.35);
-  EXPECT_EQ(fusion_.plane().contradicted(), 1);
+  EXPECT_EQ(fusion_->plane().contradicted(), 1);
   EXPECT_LT(drive(8.0, 2.5), 0.05);
-  EXPECT_EQ(fusion_.plane().contradicted(), 1);
-  EXPECT_EQ(fusion_.plane().state(), ControlState::kH);
+  EXPECT_EQ(fusion_->plane().contradicted(), 1);
+  EXPECT_EQ(fusion_->plane().state(), ControlState::kH);
 }
 
 TEST_P(PoseFusionTest, AfterALidarThatInsistedVisionIsNotBelievedAgain) {
   drive(8.0, 1.0);
   tiltVision(0.07);
   drive(1.2, 2.5);
-  ASSERT_EQ(fusion_.plane().state(), ControlState::kR) << "a tilt that may be an error";
+  ASSERT_EQ(fusion_->plane().state(), ControlState::kR) << "a tilt that may be an error";
   drive(1.7, 2.5);
-  ASSERT_EQ(fusion_.plane().state(), ControlState::kH) << "the LiDAR has contradicted for three seconds";
+  ASSERT_EQ(fusion_->plane().state(), ControlState::kH) << "the LiDAR has contradicted for three seconds";
   EXPECT_LT(drive(6.0, 2.5), 0.05);
-  EXPECT_EQ(fusion_.plane().contradicted(), 0);
-  EXPECT_EQ(fusion_.plane().state(), ControlState::kH);
+  EXPECT_EQ(fusion_->plane().contradicted(), 0);
+  EXPECT_EQ(fusion_->plane().state(), ControlState::kH);
+}
+
+TEST_P(PoseFusionTest, ARestoredPoseGoesToWhereTheLidarIs) {
+  EXPECT_LT(drive(8.0, 1.0), 0.03);
+  FusionMemory memory = fusion_->memory();
+  memory.last.T_world_camera.translation().x() += 0.2;
+  fusion_.emplace(inMode(GetParam()), robot_);
+  fusion_->restore(memory);
+  drive(0.5, 1.0);
+  EXPECT_LT(drive(4.0, 1.0), 0.03);
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, PoseFusionTest, testing::Values("lsm-robust", "joint"), [](const auto& mode) {
