@@ -7,8 +7,7 @@ void visit(common::ConfigSection& section, FusionConfig& config) {
       "mode", config.plane.mode, {"lsm", "lsm-robust", "joint"},
       "lsm: scale by axes and switching on height alone (Chen et al. 2017, eq. 8, 10); lsm-robust: one "
       "alignment, switching on height, tilt and scans with hysteresis; joint: the same switching, the pose "
-      "by a "
-      "sliding window over both sensors");
+      "by a sliding window over both sensors");
   auto& plane = section.section("plane", "when the LiDAR's plane is usable (H)");
   plane.number("height_band", config.plane.height_band, "m", 0.01, 10.0,
                "to either side of the LiDAR's height over the level's floor");

@@ -242,7 +242,7 @@ class FusionNode : public lcm_io::Node {
   }
 
   void measureScale(const MonoMeasurement& mono) {
-    if (!mono.tracking || mono.utime - last_scale_ < kScalePeriod) {
+    if (config_.plane.mode != "joint" || !mono.tracking || mono.utime - last_scale_ < kScalePeriod) {
       return;
     }
     // The beams ahead are in the middle of the sweep.
