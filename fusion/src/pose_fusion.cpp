@@ -215,11 +215,11 @@ RobotState PoseFusion::addTrack(const Track& track) {
   }
   path_.add(track);
   watchAttitude();
-  if (joint_ && visionCarries()) {
+  if (joint_ && !visionCarries()) {
+    joint_->stop();
+  } else if (joint_ && track.tracking) {
     const MapAlignment& map = maps_.at(map_id_);
     joint_->follow(path_, map.S_world_mono.scale, map.scale_sigma, plane_.state());
-  } else if (joint_) {
-    joint_->stop();
   }
   useWaiting();
   plane_.addPlane(track.utime, planeOf(path_.last().T_world_camera, track.utime), attitude_known_);
@@ -250,8 +250,11 @@ void PoseFusion::standLevel() {
 }
 
 RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
-  // A picture that was under way is worth more than states without one.
-  while (!path_.empty() && mono.utime <= path_.last().utime && !path_.last().tracking && mono.tracking) {
+  // A picture that was under way is worth more than states without one, and so are two pictures with a pause
+  // between them.
+  const bool paused = visionTracks();
+  while (!path_.empty() && !path_.last().tracking && mono.tracking &&
+         (paused || mono.utime <= path_.last().utime)) {
     path_.dropLast();
   }
   if (!path_.empty() && mono.utime <= path_.last().utime) {
@@ -267,6 +270,11 @@ RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
 }
 
 RobotState PoseFusion::advance(Utime utime) { return addMono({utime, false, map_id_, map_revision_}); }
+
+bool PoseFusion::visionTracks() const {
+  const Track* tracked = path_.lastTracked();
+  return tracked != nullptr && path_.last().utime - tracked->utime <= kSilence;
+}
 
 bool PoseFusion::visionCarries() const {
   const auto known = maps_.find(map_id_);
@@ -304,7 +312,8 @@ void PoseFusion::addLidar(const LidarMeasurement& lidar) {
 }
 
 void PoseFusion::useWaiting() {
-  while (!waiting_.empty() && !path_.empty() && waiting_.front().utime <= path_.last().utime) {
+  const Utime reached = visionTracks() ? path_.lastTracked()->utime : path_.empty() ? 0 : path_.last().utime;
+  while (!waiting_.empty() && waiting_.front().utime <= reached) {
     const LidarMeasurement lidar = waiting_.front();
     waiting_.pop_front();
     useLidar(lidar);
@@ -325,7 +334,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   const double turn = common::wrapAngle(lidar.T_world_lidar.yaw - predicted.yaw);
   const bool returns = plane_.state() == ControlState::kR;
   // Where vision does not carry, there is nothing to contradict.
-  const bool wide = returns || !anchored_;
+  const bool wide = returns || came_back_ || !anchored_;
   const auto within = [&](double way, double most_turn) {
     return shift.norm() <= way + drift_ && std::abs(turn) <= most_turn;
   };
@@ -340,6 +349,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   const bool returned = returns && plane_.state() == ControlState::kH;
   if (returned) {
     attitude_known_ = true;
+    came_back_ = true;
   }
   // Its scale ran away, or it took one place for another.
   if (insisted || (returned && jumps && plane_.contradictedOnLevelGround())) {
@@ -352,15 +362,16 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   // An unknown tilt tells nothing about the plane.
   const bool follows = lidar.good && (usable || (!attitude_known_ && plane.tilt <= kHopelessTilt));
   if (!follows || plane_.state() == ControlState::kM ||
-      (visionCarries() && !returned && (returns || !near))) {
+      (visionCarries() && !came_back_ && (returns || !near))) {
     return;
   }
   if (jointHolds() && anchored_) {
-    joint_->addLidar(path_, lidar.utime,
-                     {T_camera_lidar(lidar.utime), lidar.T_world_lidar, lidar_velocity_, lidar.covariance},
-                     plane_.state(), returned);
+    const LidarFix fix{T_camera_lidar(lidar.utime), lidar.T_world_lidar, lidar_velocity_, lidar.covariance};
+    const bool used = joint_->addLidar(path_, lidar.utime, fix, plane_.state(), came_back_);
+    came_back_ = came_back_ && !used;
   } else {
-    const double gain = visionCarries() && !returned && anchored_ ? config_.lidar_gain : 1.0;
+    const double gain = visionCarries() && !came_back_ && anchored_ ? config_.lidar_gain : 1.0;
+    came_back_ = false;
     path_.correct(motionAbout(T_predicted.translation(), {0.0, 0.0, gain * turn},
                               {gain * shift.x(), gain * shift.y(), 0.0}));
     if (joint_) {

@@ -83,7 +83,8 @@ class PoseFusion {
   std::optional<MapAlignment> alignment() const;
   /// Metres per unit of a monocular map, as far as it is known.
   std::optional<double> scaleOf(std::int32_t map_id) const;
-  bool visionTracks() const { return !path_.empty() && path_.last().tracking; }
+  /// Or only pauses: a picture that comes late is no loss.
+  bool visionTracks() const;
   /// Time of the last scan that the pose has followed; 0: none yet.
   common::Utime lastLidar() const { return last_lidar_; }
   /// What contradicts the calibration, in words; empty when nothing does.
@@ -143,6 +144,7 @@ class PoseFusion {
   std::int64_t solved_revision_ = 0;
   bool attitude_known_ = true;
   bool anchored_ = true;              // The pose goes back to a LiDAR pose.
+  bool came_back_ = false;            // Out of R, and the pose has not followed a scan since.
   double drift_ = 0.0;                // m, since the LiDAR last gave the pose
   double time_without_vision_ = 0.0;  // s
 };

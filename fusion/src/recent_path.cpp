@@ -22,6 +22,12 @@ void RecentPath::add(const Track& track) {
   }
 }
 
+const Track* RecentPath::lastTracked() const {
+  const auto found =
+      std::find_if(tracks_.rbegin(), tracks_.rend(), [](const Track& t) { return t.tracking; });
+  return found == tracks_.rend() ? nullptr : &*found;
+}
+
 const Track& RecentPath::shortlyBefore() const {
   return *std::find_if(tracks_.begin(), tracks_.end(),
                        [&](const Track& track) { return last().utime - track.utime <= kVelocitySpan; });

@@ -18,6 +18,8 @@ class RecentPath {
   bool empty() const { return tracks_.empty(); }
   std::size_t size() const { return tracks_.size(); }
   const Track& last() const { return tracks_.back(); }
+  /// The last one that vision gave; null: none.
+  const Track* lastTracked() const;
   /// `age` pictures ago; 0: the last.
   const Track& ago(std::size_t age) const { return tracks_[tracks_.size() - 1 - age]; }
   /// The oldest of the last tenth of a second: what velocities are taken from.

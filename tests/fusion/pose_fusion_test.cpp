@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -39,13 +40,39 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
       fusion_->addLidar({.utime = now_,
                          .T_world_lidar = test::level(T_world_body * robot_.T_body_lidar()),
                          .covariance = 1e-4 * Eigen::Matrix3d::Identity(),
-                         .good = true,
+                         .good = lidar_matches_,
                          .revision = fusion_->plane().revision()});
       if (now_ % kPicture == 0) {
         farthest = std::max(farthest, picture(T_world_body, scale));
+        if (ranges_) {
+          fusion_->addScale(now_, std::log(scale));
+        }
       }
     }
     return farthest;
+  }
+  /// Drives on while no scan comes, and one picture is missing; returns how far off the next one's pose is,
+  /// m.
+  double driveWithAPause() {
+    double off = 0.0;
+    for (int i = 0; i < 5; ++i) {
+      now_ += kPicture;
+      way_ += kSpeed * common::secondsFromUtime(kPicture);
+      if (i == 3) {
+        fusion_->advance(now_);
+      } else {
+        off = picture(test::windingPath(way_), 1.0);
+      }
+    }
+    return off;
+  }
+  /// From the start again, with another fusion.
+  void restart() {
+    fusion_.emplace(inMode(GetParam()), robot_);
+    way_ = 0.0;
+    lidar_matches_ = true;
+    T_world_camera_ = robot_.T_body_camera();
+    newMap();
   }
   void newMap() {
     ++map_id_;
@@ -55,6 +82,11 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
   /// Vision takes a turn upwards that was none.
   void tiltVision(double angle) { T_mono_camera_.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX())); }
 
+  /// Vision goes sideways where the robot does not.
+  void shiftVision(double metres) { T_mono_camera_.translate(Eigen::Vector3d(metres, 0.0, 0.0)); }
+
+  bool lidar_matches_ = true;
+  bool ranges_ = false;  // At map points; of the true scale.
   const common::RobotConfig robot_ = test::robot();
   std::optional<PoseFusion> fusion_{std::in_place, inMode(GetParam()), robot_};
 
@@ -125,6 +157,42 @@ TEST_P(PoseFusionTest, ARestoredPoseGoesToWhereTheLidarIs) {
   drive(0.5, 1.0);
   EXPECT_LT(drive(4.0, 1.0), 0.03);
 }
+
+TEST_P(PoseFusionTest, APictureThatIsMissingIsNoLossOfVision) {
+  drive(8.0, 1.0);
+  shiftVision(0.06);
+  drive(2.0, 1.0);
+  ASSERT_LT(drive(0.1, 1.0), 0.015) << "where the LiDAR is";
+  EXPECT_LT(driveWithAPause(), 0.02) << "not where the alignment of ten metres has it";
+}
+
+TEST_P(PoseFusionTest, OutOfRThePoseGoesToTheLidarAtOnce) {
+  drive(8.0, 1.0);
+  tiltVision(0.07);
+  drive(0.45, 1.3);
+  ASSERT_EQ(fusion_->plane().state(), ControlState::kM);
+  tiltVision(-0.07);
+  drive(0.4, 1.0);
+  ASSERT_EQ(fusion_->plane().state(), ControlState::kH);
+  drive(0.2, 1.0);
+  EXPECT_LT(drive(1.0, 1.0), 0.03);
+  EXPECT_EQ(fusion_->plane().contradicted(), 0);
+}
+
+using JointFusionTest = PoseFusionTest;
+
+TEST_P(JointFusionTest, RangesAtMapPointsHoldTheScaleWithoutMatches) {
+  drive(8.0, 1.0);
+  lidar_matches_ = false;
+  const double without = drive(3.0, 1.02);
+  restart();
+  drive(8.0, 1.0);
+  lidar_matches_ = false;
+  ranges_ = true;
+  EXPECT_LT(drive(3.0, 1.02), 0.7 * without);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, JointFusionTest, testing::Values("joint"));
 
 INSTANTIATE_TEST_SUITE_P(Modes, PoseFusionTest, testing::Values("lsm-robust", "joint"), [](const auto& mode) {
   return std::string(mode.param) == "joint" ? "Joint" : "LsmRobust";

@@ -77,11 +77,13 @@ void JointPath::follow(RecentPath& path, double scale, double scale_sigma, Contr
   }
 }
 
-void JointPath::addLidar(RecentPath& path, Utime utime, const LidarFix& lidar, ControlState state,
+bool JointPath::addLidar(RecentPath& path, Utime utime, const LidarFix& lidar, ControlState state,
                          bool at_once) {
-  if (utime - utime_ >= (at_once ? 1 : kPeriod)) {
+  const bool used = utime - utime_ >= (at_once ? 1 : kPeriod);
+  if (used) {
     add(path, utime, lidar, state);
   }
+  return used;
 }
 
 bool JointPath::standsOnFloor(const Pose3& T_world_camera, double way, ControlState state) {
@@ -111,7 +113,7 @@ void JointPath::add(RecentPath& path, Utime utime, const std::optional<LidarFix>
   if (standsOnFloor(*now, T_before_now.translation().norm(), state)) {
     measured.floor = 0.0;
   }
-  if (scale_ && utime - scale_->utime < kPeriod) {
+  if (scale_ && utime - scale_->utime <= kSilence) {
     measured.log_scale = scale_->log_scale;
   }
   scale_.reset();

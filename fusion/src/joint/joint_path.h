@@ -20,8 +20,9 @@ class JointPath {
   /// After the track's last picture: begins, begins anew where the monocular map was corrected, and goes on
   /// where no scan comes. `scale` and its relative deviation are those to begin with.
   void follow(RecentPath& path, double scale, double scale_sigma, ControlState state);
-  /// A scan that grid SLAM matched; most scans lie too near the last state. `at_once`: this one does not.
-  void addLidar(RecentPath& path, common::Utime utime, const LidarFix& lidar, ControlState state,
+  /// A scan that grid SLAM matched. False: it was not used, as most lie too near the last state. `at_once`:
+  /// any that is newer will do.
+  bool addLidar(RecentPath& path, common::Utime utime, const LidarFix& lidar, ControlState state,
                 bool at_once);
   /// The scale (logarithm) that the LiDAR's ranges at map points show at a picture.
   void addScale(common::Utime utime, double log_scale);

@@ -23,7 +23,8 @@ constexpr double kLidarLoss = 2.0;
 /// The floor holds where it is flat: ramps are outliers. Per state the floor is worth little, so that a step
 /// off it shows early.
 constexpr double kFloorLoss = 0.5;
-constexpr double kRangeLoss = 1.0;
+/// Ranges of a second see the same walls and err alike: ten states' are worth one.
+constexpr double kRangeWeight = 0.1;
 /// The clocks hardly drift: s per root of a metre.
 constexpr double kClockWalk = 1e-5;
 constexpr double kStanding = 1e-3;  // m, least motion that deviations are reckoned with
@@ -93,8 +94,10 @@ std::vector<Cost> unaryCosts(const JointState& state, const JointMeasurements& m
                                           std::make_unique<ceres::CauchyLoss>(kFloorLoss)));
   }
   if (measured.log_scale && config.ranges) {
-    costs.push_back(unary<ScaleFactor, 1>({state, *measured.log_scale, config.range_scale},
-                                          std::make_unique<ceres::CauchyLoss>(kRangeLoss)));
+    costs.push_back(
+        unary<ScaleFactor, 1>({state, *measured.log_scale, config.range_scale},
+                              std::make_unique<ceres::ScaledLoss>(new ceres::CauchyLoss(1.0), kRangeWeight,
+                                                                  ceres::TAKE_OWNERSHIP)));
   }
   return costs;
 }
@@ -134,7 +137,7 @@ void visit(common::ConfigSection& section, JointConfig& config) {
   section.number("floor_height", config.floor_height, "m", 1e-3, 10.0, "for one state");
   section.number("floor_tilt", config.floor_tilt, "rad", 1e-3, 10.0, "for one state");
   section.flag("ranges", config.ranges, "the LiDAR's ranges at map points");
-  section.number("range_scale", config.range_scale, "", 1e-4, 1.0, "for one state");
+  section.number("range_scale", config.range_scale, "", 1e-4, 1.0, "of one measurement");
   section.flag("clock", config.clock, "the clocks' offset is estimated");
 }
 

@@ -25,7 +25,7 @@ struct JointConfig {
   double floor_height = 0.05;  ///< m, per state
   double floor_tilt = 0.02;    ///< rad, per state
   bool ranges = true;
-  double range_scale = 0.1;  ///< per state; those of a second err alike
+  double range_scale = 0.02;  ///< of one measurement
   bool clock = true;
 };
 

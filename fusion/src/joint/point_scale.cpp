@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -25,9 +27,17 @@ constexpr double kSteepest = 0.3;
 /// The range is looked up again where the scaled point lies.
 constexpr int kLookups = 3;
 constexpr double kFirstGuess = 2.0;  // m
-/// Mean shift over the logarithms, and how many of them it has to end among.
-constexpr double kBandwidth = 0.03;
-constexpr int kShifts = 8;
+/// How the logarithms lie about the scale: most within kSpread, points behind what the LiDAR sees below it,
+/// wrong ones anywhere.
+constexpr double kSpread = 0.02;
+constexpr double kBehind = 0.7;  // Of the most, at the scale.
+constexpr double kDepth = 0.06;  // Falls by e over this.
+constexpr double kAnywhere = 0.1;
+/// The scale is sought so far from where it is taken to be, in such steps; by values that far from there; and
+/// so many have to lie within three times kSpread of it.
+constexpr double kReach = 0.1;
+constexpr double kStep = 0.0025;
+constexpr double kRegion = 0.3;
 constexpr std::ptrdiff_t kLeastPoints = 8;
 
 std::optional<double> rangeAt(const RangeScan& scan, double angle) {
@@ -79,13 +89,38 @@ double densest(const std::vector<double>& values) {
   double best = values.front();
   std::ptrdiff_t most = 0;
   for (const double value : values) {
-    const auto [first, last] = within(values, value, kBandwidth);
+    const auto [first, last] = within(values, value, kSpread);
     if (last - first > most) {
       most = last - first;
       best = value;
     }
   }
   return best;
+}
+
+double logLikelihood(double deviation) {
+  const double near = std::exp(-0.5 * deviation * deviation / (kSpread * kSpread));
+  const double behind = deviation < 0.0 ? std::exp(deviation / kDepth) : near;
+  return std::log(near + kBehind * behind + kAnywhere);
+}
+
+/// The most likely scale near `middle`; empty where the likelihood only rises.
+std::optional<double> mostLikely(const std::vector<double>& logs, double middle) {
+  const auto [first, last] = within(logs, middle, kRegion);
+  const auto at = [&, first = first, last = last](double scale) {
+    return std::accumulate(first, last, 0.0,
+                           [&](double sum, double log) { return sum + logLikelihood(log - scale); });
+  };
+  const int steps = static_cast<int>(kReach / kStep);
+  int best = 0;
+  double most = -std::numeric_limits<double>::infinity();
+  for (int i = -steps; i <= steps; ++i) {
+    if (const double likelihood = at(middle + i * kStep); likelihood > most) {
+      most = likelihood;
+      best = i;
+    }
+  }
+  return std::abs(best) < steps ? std::optional(middle + best * kStep) : std::nullopt;
 }
 
 }  // namespace
@@ -113,26 +148,14 @@ std::optional<double> PointScale::measure(std::int32_t map_id, const Pose3& T_mo
   if (logs.empty()) {
     return std::nullopt;
   }
-  // Points behind what the LiDAR sees lie anywhere below the scale: no median, but the mode.
+  // No median, nor a mode: points behind what the LiDAR sees lie below the scale.
   std::sort(logs.begin(), logs.end());
-  double mode = guess ? *guess : densest(logs);
-  for (int i = 0; i < kShifts; ++i) {
-    double sum = 0.0;
-    double weights = 0.0;
-    const auto [first, last] = within(logs, mode, 4.0 * kBandwidth);
-    for (auto log = first; log != last; ++log) {
-      const double deviation = (*log - mode) / kBandwidth;
-      const double weight = std::exp(-0.5 * deviation * deviation);
-      sum += weight * *log;
-      weights += weight;
-    }
-    if (weights <= 0.0) {
-      return std::nullopt;
-    }
-    mode = sum / weights;
+  const auto scale = mostLikely(logs, guess ? *guess : densest(logs));
+  if (!scale) {
+    return std::nullopt;
   }
-  const auto [first, last] = within(logs, mode, 2.0 * kBandwidth);
-  return last - first >= kLeastPoints ? std::optional(mode) : std::nullopt;
+  const auto [first, last] = within(logs, *scale, 3.0 * kSpread);
+  return last - first >= kLeastPoints ? scale : std::nullopt;
 }
 
 }  // namespace rubble::fusion
