@@ -7,6 +7,7 @@
 #include <random>
 
 #include "eval_ate.h"
+#include "eval_consistency.h"
 #include "eval_crossings.h"
 #include "eval_map.h"
 #include "eval_relations.h"
@@ -170,6 +171,74 @@ TEST(AteTest, TooLittleInCommonIsAnError) {
     pose.T_a_b.translation().setZero();
   }
   EXPECT_THAT(errorOf([&] { evaluateAte(still, truth, Alignment::kSim3, 0.1); }), HasSubstr("does not move"));
+}
+
+/// Poses whose errors are drawn from `sigma` about the path, and said to be so.
+std::vector<UncertainPose> drawn(const Trajectory& truth, const Eigen::Matrix<double, 6, 1>& sigma) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal;
+  std::vector<UncertainPose> poses;
+  for (const common::StampedPose& pose : truth) {
+    Eigen::Matrix<double, 6, 1> error;
+    for (double& e : error) {
+      e = normal(generator);
+    }
+    // x and y err together.
+    error(1) = 0.8 * error(0) + 0.6 * error(1);
+    error = error.cwiseProduct(sigma).eval();
+    UncertainPose drawn{.pose = pose, .state = poses.size() % 2 == 0 ? 'H' : 'M'};
+    drawn.pose.T_a_b.translation() += error.head<3>();
+    const Eigen::AngleAxisd turn(error.tail<3>().norm(), error.tail<3>().normalized());
+    drawn.pose.T_a_b.linear() = turn * pose.T_a_b.linear();
+    drawn.covariance = sigma.cwiseAbs2().asDiagonal();
+    drawn.covariance(0, 1) = drawn.covariance(1, 0) = 0.8 * sigma(0) * sigma(1);
+    poses.push_back(drawn);
+  }
+  return poses;
+}
+
+TEST(ConsistencyTest, HonestCovariancesHoldNineteenOfTwenty) {
+  const Trajectory truth = helix(4000);
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << 0.03, 0.01, 0.02, 0.01, 0.02, 0.03;
+  std::vector<UncertainPose> poses = drawn(truth, sigma);
+  const auto honest = evaluateConsistency(poses, truth, 0.0);
+  ASSERT_EQ(honest.size(), 2);
+  for (const char state : {'H', 'M'}) {
+    const Consistency& c = honest.at(state);
+    EXPECT_EQ(c.poses, 2000);
+    EXPECT_NEAR(c.xy, 0.95, 0.015);
+    EXPECT_NEAR(c.z, 0.95, 0.015);
+    EXPECT_NEAR(c.attitude, 0.95, 0.015);
+  }
+  for (UncertainPose& pose : poses) {
+    pose.covariance(2, 2) *= 0.25;
+  }
+  const auto bold = evaluateConsistency(poses, truth, 100.0);
+  EXPECT_EQ(bold.at('H').poses, 1000) << "the second half of 200 s";
+  EXPECT_NEAR(bold.at('H').z, 0.67, 0.05) << "one sigma";
+  EXPECT_NEAR(bold.at('H').xy, 0.95, 0.02);
+}
+
+TEST(ConsistencyTest, ResultsAreReadOrTheRowIsNamed) {
+  const test::TempDir dir;
+  const Trajectory path = helix(2);
+  common::writeTum(dir.path() / "trajectory_fused.tum", path);
+  const std::string numbers = "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21";
+  const auto write = [&](const std::string& second) {
+    dir.write("covariance.csv", "time_s,state,covariance\n0.000000,H," + numbers + "\n" + second);
+  };
+  write("0.050000,M," + numbers + "\n");
+  const auto poses = readUncertainPoses(dir.path());
+  ASSERT_EQ(poses.size(), 2);
+  EXPECT_EQ(poses[1].state, 'M');
+  EXPECT_EQ(poses[1].covariance(0, 5), 6.0);
+  EXPECT_EQ(poses[1].covariance(2, 1), 8.0);
+  EXPECT_EQ(poses[1].covariance(5, 5), 21.0);
+  write("0.070000,M," + numbers + "\n");
+  EXPECT_THAT(errorOf([&] { readUncertainPoses(dir.path()); }), HasSubstr("covariance.csv:3"));
+  write("0.050000,M,1 2 3\n");
+  EXPECT_THAT(errorOf([&] { readUncertainPoses(dir.path()); }), HasSubstr("covariance.csv:3"));
 }
 
 TEST(CrossingsTest, DriftAndScaleOfTheWaysInM) {

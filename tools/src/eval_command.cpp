@@ -10,6 +10,7 @@
 #include "common/error.h"
 #include "common/statistics.h"
 #include "eval_ate.h"
+#include "eval_consistency.h"
 #include "eval_map.h"
 #include "eval_relations.h"
 #include "map_file.h"
@@ -29,6 +30,7 @@ struct EvalOptions {
   double max_gap = 0.1;
   double max_difference = 0.005;
   double tolerance = 0.05;
+  double settled = 15.0;
 };
 
 void addStatistics(Json& report, const std::string& name, const std::string& unit,
@@ -82,6 +84,22 @@ void evalMap(const EvalOptions& options) {
   report["map_occupied_cells"] = map.size();
   report["truth_occupied_cells"] = truth.size();
   report["tolerance_m"] = options.tolerance;
+  printReport(report, options.json);
+}
+
+void evalConsistency(const EvalOptions& options) {
+  Json report;
+  for (const auto& [state, consistency] : evaluateConsistency(
+           readUncertainPoses(options.estimate), common::readTum(options.truth), options.settled)) {
+    const std::string name(1, state);
+    report["poses_" + name] = consistency.poses;
+    report["xy_inside_" + name] = consistency.xy;
+    report["z_inside_" + name] = consistency.z;
+    report["attitude_inside_" + name] = consistency.attitude;
+  }
+  if (report.empty()) {
+    throw common::Error(options.estimate + ": none of its fused poses has a stamp of the truth");
+  }
   printReport(report, options.json);
 }
 
@@ -156,6 +174,25 @@ void addMap(CLI::App& parent) {
       "Example:\n  rubble eval map out/map_0.yaml truth/map_0.yaml --json\n");
 }
 
+void addConsistency(CLI::App& parent) {
+  const auto options = std::make_shared<EvalOptions>();
+  CLI::App* app =
+      addEvaluation(parent, "consistency", "Whether the fused poses are as good as their covariance says",
+                    "RESULTS", "TRUTH", options, evalConsistency);
+  app->add_option("--settled", options->settled, "Seconds of the begin that are left out")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app->footer(
+      "RESULTS is a folder of `rubble replay` (trajectory_fused.tum, covariance.csv), TRUTH a TUM file in "
+      "the "
+      "same\n"
+      "world. For each control state (H, M, R): poses_H; the shares of them whose error is inside the 95 % "
+      "bound "
+      "of\n"
+      "their covariance: xy_inside_H, z_inside_H, attitude_inside_H\n"
+      "Example:\n  rubble eval consistency out mission/truth/body.tum --json\n");
+}
+
 }  // namespace
 
 void addEvalCommand(CLI::App& app) {
@@ -165,6 +202,7 @@ void addEvalCommand(CLI::App& app) {
   addAte(*command);
   addRelations(*command);
   addMap(*command);
+  addConsistency(*command);
   addEvalObjects(*command);
   addEvalMarksCommand(*command);
 }

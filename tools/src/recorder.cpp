@@ -51,7 +51,8 @@ std::string quoted(const std::string& text) {
 Recorder::Recorder(lcm_io::Bus& bus)
     : poses_csv_(
           "source,time_s,x_m,y_m,z_m,roll_rad,pitch_rad,yaw_rad,map_id,level,state,status,score,map_revision,"
-          "sigma_x_m,sigma_y_m,sigma_yaw_rad\n") {
+          "sigma_x_m,sigma_y_m,sigma_yaw_rad\n"),
+      covariance_csv_("time_s,state,covariance\n") {
   bus.subscribe<rubble::lidar_pose_t>(lcm_io::channel::kLidarPose,
                                       [this](const auto& pose) { addPose(pose); });
   bus.subscribe<rubble::grid_map_t>(lcm_io::channel::kGridMap,
@@ -100,6 +101,13 @@ void Recorder::addPose(const rubble::robot_pose_t& pose) {
       seconds(pose.utime), p.x(), p.y(), p.z(), rpy.roll, rpy.pitch, rpy.yaw, pose.level,
       nameOf(kStateNames, pose.control_state), nameOf(kAttitudeNames, pose.attitude),
       std::sqrt(pose.covariance[0]), std::sqrt(pose.covariance[7]), std::sqrt(pose.covariance[35]));
+  covariance_csv_ += fmt::format("{},{},", seconds(pose.utime), nameOf(kStateNames, pose.control_state));
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = row; column < 6; ++column) {
+      covariance_csv_ += fmt::format("{}{:.6g}", column == 0 ? "" : " ", pose.covariance[6 * row + column]);
+    }
+  }
+  covariance_csv_ += '\n';
   fused_.push_back({pose.utime, T_world_body});
 }
 
@@ -148,6 +156,7 @@ void Recorder::write(const std::filesystem::path& dir) const {
   common::writeTum(dir / "trajectory_fused.tum", fused_);
   common::writeTum(dir / "trajectory_fused_final.tum", fused_);
   common::writeFileAtomically(dir / "poses.csv", poses_csv_);
+  common::writeFileAtomically(dir / "covariance.csv", covariance_csv_);
   writeObjects(dir / "objects.csv");
   for (const auto& [level, grid] : levels_) {
     if (!grid.empty()) {

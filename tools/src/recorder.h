@@ -43,6 +43,7 @@ class Recorder {
   std::map<std::int32_t, GridAssembly> levels_;
   rubble::objects_t objects_;  // As last told.
   std::string poses_csv_;
+  std::string covariance_csv_;
 };
 
 }  // namespace rubble::tools
