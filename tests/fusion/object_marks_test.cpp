@@ -57,9 +57,9 @@ class Robot {
     return sighting;
   }
 
-  PicturePlace place(const Pose3& T_world_camera, bool on_level = true) {
+  PicturePlace place(const Pose3& T_world_camera, bool on_level = true, double sigma = 0.0) {
     utime_ += kPeriod;
-    return {utime_, T_world_camera, on_level, 0, 7};
+    return {utime_, T_world_camera, on_level, 0, 7, sigma};
   }
 
  private:
@@ -158,6 +158,32 @@ TEST(ObjectMarks, AWrongRangeMakesNoSecondMarkOfACode) {
   }
   ASSERT_EQ(marks.marks().size(), 1U);
   EXPECT_LT((marks.marks()[0].position.p_world - kFace.translation()).norm(), 0.1);
+}
+
+TEST(ObjectMarks, TheWayUpARampMendsTheRangeOfItsSlope) {
+  for (const double drift : {0.03, 0.5}) {
+    ObjectMarks marks{{}};
+    Robot robot;
+    const Pose3 label = faceAt({2.0, 0.8, 1.2});
+    for (int i = 0; i < 30; ++i) {
+      const bool on_level = i < 6;
+      const Pose3 camera = cameraAt({0.03 * i, 0.0, 0.3 + 0.01 * i}, 0.3);
+      Sighting sighting = robot.see(camera, label, "poison", 0.003);
+      if (on_level) {
+        sighting.lidar = RangeMeasurement{0.9, 0.23};
+      }
+      marks.addPicture(robot.place(camera, on_level, on_level ? 0.01 : drift), std::span(&sighting, 1));
+    }
+    const Mark& mark = marks.marks().front();
+    const double error = (mark.position.p_world - label.translation()).norm();
+    if (drift < 0.1) {
+      EXPECT_LT(error, 0.15);
+      EXPECT_EQ(marks.marks().size(), 1U);
+    } else {
+      EXPECT_GT(error, 0.5) << "a pose that has drifted that far changes nothing";
+    }
+    EXPECT_TRUE(mark.on_level) << "corrections of the monocular map do not move it";
+  }
 }
 
 TEST(ObjectMarks, WithoutDistanceItStaysPending) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -147,9 +148,15 @@ void MarkKeeper::addState(const RobotState& state, std::int32_t level) {
   if (!state.attitude_known) {
     return;
   }
-  keep(places_,
-       {state.utime, state.T_world_body * T_body_camera_, fusion_.plane().state() == ControlState::kH, level},
-       kMostPlaces);
+  PicturePlace place;
+  place.utime = state.utime;
+  place.T_world_camera = state.T_world_body * T_body_camera_;
+  place.on_level = fusion_.plane().state() == ControlState::kH;
+  place.level = level;
+  const Eigen::Matrix3d covariance = state.covariance.topLeftCorner<3, 3>();
+  place.sigma =
+      std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
+  keep(places_, place, kMostPlaces);
   useWaiting();
 }
 

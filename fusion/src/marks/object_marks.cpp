@@ -232,8 +232,10 @@ void ObjectMarks::see(Mark& mark, const PicturePlace& place, const Bearing& seen
     mark.kept_views.clear();  // The level's grid knows better than a drifting pose.
     mark.flatness = {};
   }
-  if (place.on_level || !mark.on_level) {
-    mark.on_level = place.on_level;
+  // At a ramp's foot a level scan ends on the slope, and tells a label far behind it no true range. What is
+  // known no better than the pose has drifted since may still learn from the way up.
+  if (place.on_level || !mark.on_level || place.sigma < largestSigma(mark.position)) {
+    mark.on_level |= place.on_level;
     mark.level = place.level;
     mark.keyframe_id = place.keyframe_id;
     keepView(mark.kept_views, seen.view);

@@ -48,6 +48,7 @@ struct PicturePlace {
   bool on_level = true;  ///< in H: world is the level's grid there, which monocular corrections do not move
   std::int32_t level = 0;
   std::int32_t keyframe_id = -1;
+  double sigma = 0.0;  ///< m, of the camera's place, in the direction in which it is known worst
 };
 
 /// Unit vector towards the middle of a planar face: where its diagonals cross.
