@@ -256,6 +256,38 @@ TEST(ObjectMarks, ADollOfWhichMoreAndLessIsSeenIsOneMarkWhereItLies) {
   EXPECT_LT((marks.marks().front().position.p_world - doll).norm(), 0.15);
 }
 
+TEST(ObjectMarks, AnotherDollInTheSameDirectionIsNotTheSame) {
+  const Vector3d first(2.4, -0.9, 0.0);
+  const Vector3d second(1.4, -0.61, 0.0);
+  ObjectMarks marks{MarksConfig()};
+  Robot robot;
+  for (int i = 0; i < 10; ++i) {
+    const Pose3 camera = cameraAt({0.1 * i, -0.02 * i, 0.22}, -0.3);
+    Sighting sighting = seeDoll(camera, first, 0.0);
+    sighting.lidar = RangeMeasurement{(first - camera.translation()).norm() + 0.2, 0.3};
+    marks.addPicture(robot.place(camera), std::vector{sighting});
+  }
+  const Vector3d before = marks.marks().front().position.p_world;
+  const Pose3 camera = cameraAt({0.55, 1.2, 0.22}, -1.2);  // 0.28 rad between the two, a metre
+  marks.addPicture(robot.place(camera), std::vector{seeDoll(camera, second, 0.0)});
+  ASSERT_EQ(marks.marks().size(), 2U);
+  EXPECT_EQ(marks.marks().front().position.p_world, before);
+}
+
+TEST(ObjectMarks, ABoxThatWouldBeLongerThanABodyShowsSomethingNearer) {
+  ObjectMarks marks{MarksConfig()};
+  Robot robot;
+  const Vector3d far(9.0, 0.0, 0.0);
+  for (int i = 0; i < 10; ++i) {
+    const Pose3 camera = cameraAt({7.0, -0.5 + 0.1 * i, 0.22}, 0.0);
+    marks.addPicture(robot.place(camera), std::vector{seeDoll(camera, far, 0.0)});
+  }
+  const Pose3 camera = cameraAt({0.0, 0.0, 0.22}, 0.0);
+  marks.addPicture(robot.place(camera), std::vector{seeDoll(camera, {0.8, 0.0, 0.0}, 0.0)});
+  ASSERT_EQ(marks.marks().size(), 2U);
+  EXPECT_EQ(marks.marks().front().views, 10);
+}
+
 TEST(ObjectMarks, ADollSeenFromOnePlaceOnlyStaysPending) {
   ObjectMarks marks{MarksConfig()};
   Robot robot;

@@ -29,6 +29,8 @@ constexpr double kGate = 3.0;
 constexpr double kSamePlace = 0.2;
 /// Of a solid thing's bearing, as a share of half its size: what is seen of it changes.
 constexpr double kSolidBearing = 0.3;
+/// No body is longer (m): a box that would be, were it as far away as a mark, shows something nearer.
+constexpr double kLongest = 2.0;
 
 /// A solid thing where a label or a code has been confirmed (m) is what was taken for one.
 constexpr double kLabelled = 0.25;
@@ -183,16 +185,18 @@ Mark* ObjectMarks::find(const Bearing& seen, const std::set<std::int32_t>& taken
     const Vector3d v = mark.position.p_world - seen.view.p_world_camera;
     const double range = v.norm();
     const double along = v.dot(seen.view.d_world);
-    if (along <= 0.0) {
+    const bool is_solid = mark.label.isSolid();
+    if (along <= 0.0 || (is_solid && range * seen.half_size > kLongest)) {
       continue;
     }
     const Vector3d across = v - along * seen.view.d_world;
     const double angle = std::atan2(across.norm(), along);
     const Vector3d direction = across.norm() > 1e-9 ? Vector3d(across.normalized()) : Vector3d::UnitX();
     const double lateral = std::sqrt(direction.dot(mark.position.covariance * direction));
-    const double wander = mark.label.isSolid() ? seen.view.bearing_sigma : 0.0;
-    const double gate =
-        kGate * std::hypot(std::hypot(kBearingSigma, lateral / range), wander) + seen.half_size;
+    // Of a solid thing the bearing's deviation already says how far its place is from the box's.
+    const double wander = is_solid ? seen.view.bearing_sigma : 0.0;
+    const double gate = kGate * std::hypot(std::hypot(kBearingSigma, lateral / range), wander) +
+                        (is_solid ? 0.0 : seen.half_size);
     double error = angle / gate;
     // A code's text says which one it is; a range may be that of something in front of the wall.
     if (seen.view.range_sigma > 0.0 && mark.label.text.empty()) {
