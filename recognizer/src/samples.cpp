@@ -178,9 +178,18 @@ SamplePicture readSample(const fs::path& path) {
   }
   bgr.setTo(cv::Scalar::all(255), transparent);
   const cv::Mat opaque = ~transparent;
+  // No outline fills its picture (findOutlines): without a margin a diamond would pass for the square around
+  // it.
+  constexpr int kMargin = kLongSide / 10;
   cv::Mat mask;
-  cv::cvtColor(opaque, mask, cv::COLOR_GRAY2BGR);
-  return {bgr, largestOutline({mask}, wholeOf(cv::boundingRect(opaque))), alpha};
+  cv::copyMakeBorder(opaque, mask, kMargin, kMargin, kMargin, kMargin, cv::BORDER_CONSTANT, 0);
+  const cv::Rect bounds = cv::boundingRect(mask);
+  cv::cvtColor(mask, mask, cv::COLOR_GRAY2BGR);
+  Quad outline = largestOutline({mask}, wholeOf(bounds));
+  for (cv::Point2f& corner : outline) {
+    corner -= cv::Point2f(kMargin, kMargin);
+  }
+  return {bgr, outline, alpha};
 }
 
 class Reader {

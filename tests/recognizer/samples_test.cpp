@@ -76,6 +76,18 @@ TEST_F(SamplesFolder, WhatIsOpaqueIsTheObject) {
   EXPECT_LT(distanceOf(samples.views[0].sample.outline, test::squareAt({149.5F, 149.5F}, 256, 0)), 4.0);
 }
 
+TEST_F(SamplesFolder, AnOpaqueDiamondThatFillsItsPictureIsNoSquare) {
+  const Quad truth = test::squareAt({149.5F, 149.5F}, 210, 0.785F);
+  cv::Mat picture(300, 300, CV_8UC3, cv::Scalar::all(150));
+  test::paste(signs_[1].picture, truth, &picture);
+  cv::Mat alpha = cv::Mat::zeros(picture.size(), CV_8UC1);
+  cv::fillConvexPoly(alpha, std::vector<cv::Point>(truth.begin(), truth.end()), cv::Scalar::all(255));
+  cv::Mat sign;
+  cv::merge(std::vector<cv::Mat>{picture, alpha}, sign);
+  write("diamond.png", sign);
+  EXPECT_LT(distanceOf(readSamples({folder_.path()}).views[0].sample.outline, truth), 4.0);
+}
+
 TEST_F(SamplesFolder, ErrorsNameTheThingAndTheFix) {
   EXPECT_THAT(error(), AllOf(HasSubstr(folder_.path().string()), HasSubstr("holds no sample")));
   std::filesystem::create_directories(folder_.path() / "empty");
