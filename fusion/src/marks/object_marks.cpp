@@ -237,8 +237,10 @@ void ObjectMarks::see(Mark& mark, const PicturePlace& place, const Bearing& seen
     mark.flatness = {};
   }
   // At a ramp's foot a level scan ends on the slope, and tells a label far behind it no true range. What is
-  // known no better than the pose has drifted since may still learn from the way up.
-  if (place.on_level || !mark.on_level || place.sigma < largestSigma(mark.position)) {
+  // known no better than the pose has drifted since may still learn from the way up. A solid thing learns
+  // little from it (its bearings are unsure), but is confirmed by the number of places.
+  const bool learns = !mark.label.isSolid() && place.sigma < largestSigma(mark.position);
+  if (place.on_level || !mark.on_level || learns) {
     mark.on_level |= place.on_level;
     mark.level = place.level;
     mark.keyframe_id = place.keyframe_id;
