@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 
 constexpr int kLabelPixels = 256;
 constexpr std::uint8_t kOutside = 150;  // Grey where nothing is.
+constexpr double kPaper = 235.0;
+constexpr int kPaperMargin = 12;  // px of nothing around a sheet, so that its outline shows
 
 /// Their seeds count from 0; those of missions are random ones of 64 bits.
 constexpr std::uint64_t kDolls = 90;
@@ -71,6 +73,17 @@ cv::Mat cutOut(std::string_view hazard_class) {
       pixel[3] = cv::saturate_cast<std::uint8_t>(alpha);
     }
   }
+  return label;
+}
+
+/// The label as most are printed: the sheet's outline is what is seen of it from far.
+cv::Mat onPaper(std::string_view hazard_class) {
+  cv::Mat sheet;
+  cv::cvtColor(drawHazardLabel(hazard_class, kLabelPixels, cv::Scalar::all(kPaper)), sheet,
+               cv::COLOR_BGR2BGRA);
+  cv::Mat label;
+  cv::copyMakeBorder(sheet, label, kPaperMargin, kPaperMargin, kPaperMargin, kPaperMargin,
+                     cv::BORDER_CONSTANT, cv::Scalar(kOutside, kOutside, kOutside, 0));
   return label;
 }
 
@@ -213,6 +226,7 @@ void writeSamples(const fs::path& out) {
   for (const std::string_view hazard_class : hazardClasses()) {
     createFolder(out / hazard_class);
     writePicture(out / hazard_class / "label.png", cutOut(hazard_class));
+    writePicture(out / hazard_class / "on_paper.png", onPaper(hazard_class));
     yaml += entry(hazard_class, "hazard");
   }
   createFolder(out / "victim");
