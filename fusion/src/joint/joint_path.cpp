@@ -23,7 +23,7 @@ constexpr double kCorrectedScale = 0.03;
 constexpr double kLeastScaleSigma = 0.01;
 /// Errors that stay for metres (the map's own drift, a scale that is off for a while) are reckoned with as if
 /// each state had its own: by so much the covariance falls short (docs/fusion.md).
-constexpr double kInflation = 4.0;
+constexpr double kInflation = 1.5;
 /// The floor is flat and level up to this (m, rad). A body that could stand on it by all that is known (so
 /// many deviations), and could over this way (m), does.
 constexpr double kFloorHeight = 0.015;

@@ -20,7 +20,7 @@ struct JointConfig {
   bool lidar = true;
   double lidar_position = 0.02;  ///< m, beyond the scan's own
   double lidar_slope = 0.3;      ///< m per rad of the body's tilt, the same
-  double lidar_heading = 0.005;  ///< rad
+  double lidar_heading = 0.01;   ///< rad
   bool floor = true;
   double floor_height = 0.05;  ///< m, per state
   double floor_tilt = 0.02;    ///< rad, per state
