@@ -21,9 +21,9 @@ constexpr double kStartClock = 0.01;
 /// A correction of the monocular map changes its scale here by about so much.
 constexpr double kCorrectedScale = 0.03;
 constexpr double kLeastScaleSigma = 0.01;
-/// Errors that stay for metres (the map's own drift, a scale that is off for a while) are reckoned with as if
-/// each state had its own: by so much the covariance falls short (docs/fusion.md).
-constexpr double kInflation = 1.5;
+/// What the level's grid is off itself (m, rad): no scan tells, and the window takes it for world.
+constexpr double kGridPosition = 0.01;
+constexpr double kGridHeading = 0.002;
 /// The floor is flat and level up to this (m, rad). A body that could stand on it by all that is known (so
 /// many deviations), and could over this way (m), does.
 constexpr double kFloorHeight = 0.015;
@@ -39,7 +39,11 @@ JointPath::JointPath(const JointConfig& config, const Pose3& T_camera_body)
 double JointPath::scale() const { return std::exp(estimate_->state.log_scale); }
 
 Eigen::Matrix<double, 6, 6> JointPath::covariance() const {
-  return kInflation * estimate_->covariance.topLeftCorner<6, 6>();
+  Eigen::Matrix<double, 6, 6> P = estimate_->covariance.topLeftCorner<6, 6>();
+  P(0, 0) += kGridPosition * kGridPosition;
+  P(1, 1) += kGridPosition * kGridPosition;
+  P(5, 5) += kGridHeading * kGridHeading;
+  return P;
 }
 
 void JointPath::addScale(Utime utime, double log_scale) { scale_ = Scale{utime, log_scale}; }
