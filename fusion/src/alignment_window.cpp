@@ -96,7 +96,7 @@ std::optional<MapAlignment> AlignmentWindow::solve(std::int32_t map_id,
     S.p += (S.scale - *scale) * (S.R * samples.back().T_mono_camera.translation());
     S.scale = *scale;
   }
-  return MapAlignment{solved->S_world_mono, solved->scaleSigma(), true, young ? way : last.way};
+  return MapAlignment{solved->S_world_mono, solved->scaleSigma(), true, young && way > 0.0 ? way : last.way};
 }
 
 void AlignmentWindow::checkMount(std::span<const AlignmentSample> samples, const Similarity& S_world_mono) {

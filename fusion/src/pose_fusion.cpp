@@ -37,6 +37,8 @@ constexpr double kHopelessTilt = 0.12;
 /// Drift of vision, share of the way; and of nothing at all, m/s.
 constexpr double kDrift = 0.05;
 constexpr double kBlindDrift = 0.5;
+/// Deviation of a position that has drifted at most so far, share.
+constexpr double kDriftSigma = 0.4;
 /// Time without any sight of the attitude (s) after which the robot is taken to stand level, until the LiDAR
 /// agrees.
 constexpr double kForgetTilt = 5.0;
@@ -46,6 +48,12 @@ constexpr double kFarthestPrediction = 0.2;
 /// arena's ramps.
 constexpr double kSwingLast = 1.2;
 constexpr double kSwingBefore = 0.45;
+/// So many measurements of a new map's scale by ranges in a row that lie within this (logarithms) are it, so
+/// good; as if learnt on a way (m) that is none yet.
+constexpr std::size_t kAnchors = 5;
+constexpr double kAnchorSpread = 0.06;
+constexpr double kAnchorSigma = 0.03;
+constexpr double kAnchorWay = 0.01;
 /// Tilt of the body (rad) up to which the ground counts as level while nothing sees the attitude.
 constexpr double kLevelGround = 0.05;
 
@@ -187,7 +195,7 @@ RobotState PoseFusion::state() const {
     state.v_world_body = (state.T_world_body.translation() - T_world_before.translation()) / dt;
     state.w_body = rotationVector(T_world_before.linear().transpose() * state.T_world_body.linear()) / dt;
   }
-  const double drift = 0.4 * drift_;
+  const double drift = kDriftSigma * drift_;
   auto& P = state.covariance;
   P.setZero();
   P.topLeftCorner<2, 2>() = lidar_covariance_.topLeftCorner<2, 2>();
@@ -219,7 +227,8 @@ RobotState PoseFusion::addTrack(const Track& track) {
     joint_->stop();
   } else if (joint_ && track.tracking) {
     const MapAlignment& map = maps_.at(map_id_);
-    joint_->follow(path_, map.S_world_mono.scale, map.scale_sigma, plane_.state());
+    joint_->follow(path_, {map.S_world_mono.scale, map.scale_sigma, kDriftSigma * drift_, attitude_known_},
+                   plane_.state());
   }
   useWaiting();
   plane_.addPlane(track.utime, planeOf(path_.last().T_world_camera, track.utime), attitude_known_);
@@ -262,6 +271,9 @@ RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
                                     path_.last().utime));
   }
   if (mono.tracking) {
+    if (mono.map_id != map_id_) {
+      anchors_.clear();
+    }
     map_id_ = mono.map_id;
     map_revision_ = mono.map_revision;
   }
@@ -362,7 +374,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   // An unknown tilt tells nothing about the plane.
   const bool follows = lidar.good && (usable || (!attitude_known_ && plane.tilt <= kHopelessTilt));
   if (!follows || plane_.state() == ControlState::kM ||
-      (visionCarries() && !came_back_ && (returns || !near))) {
+      (visionCarries() && attitude_known_ && !came_back_ && (returns || !near))) {
     return;
   }
   if (jointHolds() && anchored_) {
@@ -401,9 +413,33 @@ void PoseFusion::distrustVision() {
 }
 
 void PoseFusion::addScale(Utime utime, double log_scale) {
-  if (joint_) {
-    joint_->addScale(utime, log_scale);
+  const auto map = maps_.find(map_id_);
+  if (!joint_ || map == maps_.end()) {
+    return;
   }
+  if (map->second.scale_known) {
+    joint_->addScale(utime, log_scale);
+    anchors_.clear();
+    return;
+  }
+  anchors_.push_back(log_scale);
+  if (anchors_.size() > kAnchors) {
+    anchors_.pop_front();
+  }
+  const auto [least, most] = std::minmax_element(anchors_.begin(), anchors_.end());
+  if (anchors_.size() == kAnchors && *most - *least <= kAnchorSpread) {
+    anchor(map->second, std::exp(0.5 * (*least + *most)));
+  }
+}
+
+void PoseFusion::anchor(MapAlignment& map, double scale) {
+  const Track& last = path_.last();
+  Similarity& S = map.S_world_mono;
+  S.scale = scale;
+  S.p = last.T_world_camera.translation() - scale * (S.R * last.T_mono_camera.translation());
+  map.scale_sigma = kAnchorSigma;
+  map.scale_known = true;
+  map.way = kAnchorWay;
 }
 
 std::optional<double> PoseFusion::scaleOf(std::int32_t map_id) const {

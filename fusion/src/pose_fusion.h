@@ -68,7 +68,8 @@ class PoseFusion {
   void addPictures(std::span<const common::AnchoredPose> pictures, const common::KeyframePoses& keyframes,
                    std::int64_t revision);
 
-  /// Mode joint: the scale (logarithm) that the LiDAR's ranges show at a picture of the present map.
+  /// Mode joint: the scale (logarithm) that the LiDAR's ranges show at the last picture. A map whose scale
+  /// nobody knows is anchored by some that agree.
   void addScale(common::Utime utime, double log_scale);
 
   const PlaneState& plane() const { return plane_; }
@@ -114,6 +115,8 @@ class PoseFusion {
   /// Vision tells how far the robot moves. In H the LiDAR does while the scale is young: a map that was begun
   /// in a turn may have a scale that nobody measured. In R, too, while it is learnt anew.
   bool visionCarries() const;
+  /// The map lies so that the last picture is where the pose is.
+  void anchor(MapAlignment& map, double scale);
   void addSamples(std::span<const common::AnchoredPose> pictures);
   void solve(const common::KeyframePoses& keyframes);
   /// In H: a share of height and tilt.
@@ -139,6 +142,7 @@ class PoseFusion {
   std::optional<JointPath> joint_;  // In mode joint.
   AlignmentWindow window_;
   std::map<std::int32_t, MapAlignment> maps_;
+  std::deque<double> anchors_;  // Logarithms of a scale that is not known yet.
   std::int32_t map_id_ = 0;
   std::int64_t map_revision_ = 0;
   std::int64_t solved_revision_ = 0;

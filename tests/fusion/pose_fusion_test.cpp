@@ -87,6 +87,8 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
 
   bool lidar_matches_ = true;
   bool ranges_ = false;  // At map points; of the true scale.
+  RobotState state_;     // At the last picture.
+  Utime now_ = 1'700'000'000'000'000;
   const common::RobotConfig robot_ = test::robot();
   std::optional<PoseFusion> fusion_{std::in_place, inMode(GetParam()), robot_};
 
@@ -97,7 +99,7 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     step.translation() /= scale;
     T_mono_camera_ = T_mono_camera_ * step;
     T_world_camera_ = T_world_camera;
-    const RobotState state = fusion_->addMono({now_, true, map_id_, 0, T_mono_camera_});
+    state_ = fusion_->addMono({now_, true, map_id_, 0, T_mono_camera_});
     // One keyframe for each picture.
     keyframes_.set(next_keyframe_, {.map_id = map_id_, .T_parent_camera = T_mono_camera_});
     pictures_.push_back({.utime = now_, .keyframe_id = next_keyframe_++});
@@ -105,10 +107,9 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
       fusion_->addPictures(pictures_, keyframes_, 0);
       pictures_.clear();
     }
-    return (state.T_world_body.translation() - T_world_body.translation()).norm();
+    return (state_.T_world_body.translation() - T_world_body.translation()).norm();
   }
 
-  Utime now_ = 1'700'000'000'000'000;
   double way_ = 0.0;
   std::int32_t map_id_ = 1;
   Pose3 T_world_camera_ = robot_.T_body_camera();
@@ -190,6 +191,32 @@ TEST_P(JointFusionTest, RangesAtMapPointsHoldTheScaleWithoutMatches) {
   lidar_matches_ = false;
   ranges_ = true;
   EXPECT_LT(drive(3.0, 1.02), 0.7 * without);
+}
+
+TEST_P(JointFusionTest, ANewMapIsAnchoredByRangesAtOnce) {
+  drive(8.0, 1.0);
+  lidar_matches_ = false;
+  newMap();
+  EXPECT_GT(drive(3.0, 1.4), 2.5) << "nobody knows its scale";
+  newMap();
+  ranges_ = true;
+  drive(0.3, 0.7);
+  const double before = drive(0.1, 0.7);
+  EXPECT_NEAR(drive(3.0, 0.7), before, 0.05) << "the pose goes on from where it was";
+}
+
+TEST_P(JointFusionTest, AfterBlindnessTheWindowBeginsAsUnsureAsThePoseIs) {
+  drive(8.0, 1.0);
+  const double sure = state_.covariance(0, 0);
+  for (int i = 0; i < 20; ++i) {
+    now_ += kPicture;
+    fusion_->advance(now_);
+  }
+  lidar_matches_ = false;
+  newMap();
+  ranges_ = true;
+  drive(1.0, 1.4);
+  EXPECT_GT(state_.covariance(0, 0), sure + 0.04) << "two seconds at up to half a metre each";
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, JointFusionTest, testing::Values("joint"));

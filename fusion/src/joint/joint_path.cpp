@@ -17,6 +17,7 @@ constexpr Utime kSilence = common::kMicrosecondsPerSecond / 4;
 /// What is known where the window begins: m, rad, s.
 constexpr double kStartPosition = 0.02;
 constexpr double kStartRotation = 0.01;
+constexpr double kUnknownTilt = 0.5;
 constexpr double kStartClock = 0.01;
 /// A correction of the monocular map changes its scale here by about so much.
 constexpr double kCorrectedScale = 0.03;
@@ -48,7 +49,7 @@ Eigen::Matrix<double, 6, 6> JointPath::covariance() const {
 
 void JointPath::addScale(Utime utime, double log_scale) { scale_ = Scale{utime, log_scale}; }
 
-void JointPath::begin(const Track& last, double scale, double scale_sigma) {
+void JointPath::begin(const Track& last, const JointStart& start) {
   JointState state;
   JointVector sigmas;
   if (active()) {
@@ -56,9 +57,10 @@ void JointPath::begin(const Track& last, double scale, double scale_sigma) {
     sigmas = estimate_->covariance.diagonal().cwiseSqrt();
     sigmas(6) = std::max(sigmas(6), kCorrectedScale);
   } else {
-    state.log_scale = std::log(scale);
-    sigmas << Eigen::Vector3d::Constant(kStartPosition), Eigen::Vector3d::Constant(kStartRotation),
-        std::max(scale_sigma, kLeastScaleSigma), kStartClock;
+    state.log_scale = std::log(start.scale);
+    const double tilt = start.attitude_known ? kStartRotation : kUnknownTilt;
+    sigmas << Eigen::Vector3d::Constant(std::hypot(kStartPosition, start.drift)), tilt, tilt, kStartRotation,
+        std::max(start.scale_sigma, kLeastScaleSigma), kStartClock;
   }
   state.T_world_camera = last.T_world_camera;
   window_.restart(state, sigmas);
@@ -69,13 +71,13 @@ void JointPath::begin(const Track& last, double scale, double scale_sigma) {
   floor_way_ = 0.0;
 }
 
-void JointPath::follow(RecentPath& path, double scale, double scale_sigma, ControlState state) {
+void JointPath::follow(RecentPath& path, const JointStart& start, ControlState state) {
   const Track& last = path.last();
   if (active() && last.map_id != map_id_) {
     stop();
   }
   if (!active() || last.map_revision != map_revision_) {
-    begin(last, scale, scale_sigma);
+    begin(last, start);
   } else if (last.utime - utime_ >= (state == ControlState::kH ? kSilence : kPeriod)) {
     add(path, last.utime, std::nullopt, state);
   }
@@ -108,7 +110,7 @@ void JointPath::add(RecentPath& path, Utime utime, const std::optional<LidarFix>
   const auto before = path.at(utime_);
   const auto now = path.at(utime);
   if (!before || !now) {
-    begin(path.last(), scale(), 0.0);
+    begin(path.last(), {});
     return;
   }
   const Pose3 T_before_now = before->inverse() * *now;

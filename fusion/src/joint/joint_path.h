@@ -9,6 +9,14 @@
 
 namespace rubble::fusion {
 
+/// What is known where the window begins, beside the pose.
+struct JointStart {
+  double scale = 1.0;
+  double scale_sigma = 1.0;  ///< relative
+  double drift = 0.0;        ///< m, deviation of the position
+  bool attitude_known = true;
+};
+
 /// Runs the joint window along the camera's way: which moments become its states, and what is measured there.
 class JointPath {
  public:
@@ -18,8 +26,8 @@ class JointPath {
   bool active() const { return estimate_.has_value(); }
   void stop() { estimate_.reset(); }
   /// After the track's last picture: begins, begins anew where the monocular map was corrected, and goes on
-  /// where no scan comes. `scale` and its relative deviation are those to begin with.
-  void follow(RecentPath& path, double scale, double scale_sigma, ControlState state);
+  /// where no scan comes.
+  void follow(RecentPath& path, const JointStart& start, ControlState state);
   /// A scan that grid SLAM matched. False: it was not used, as most lie too near the last state. `at_once`:
   /// any that is newer will do.
   bool addLidar(RecentPath& path, common::Utime utime, const LidarFix& lidar, ControlState state,
@@ -32,7 +40,7 @@ class JointPath {
   Eigen::Matrix<double, 6, 6> covariance() const;
 
  private:
-  void begin(const Track& last, double scale, double scale_sigma);
+  void begin(const Track& last, const JointStart& start);
   /// A state at `utime` by the path so far; then the path goes through the window's estimate.
   void add(RecentPath& path, common::Utime utime, const std::optional<LidarFix>& lidar, ControlState state);
   bool standsOnFloor(const common::Pose3& T_world_camera, double way, ControlState state);
