@@ -218,7 +218,7 @@ RobotState PoseFusion::addTrack(const Track& track) {
     const Track& last = path_.last();
     const double dt = common::secondsFromUtime(track.utime - last.utime);
     const double way = (track.T_world_camera.translation() - last.T_world_camera.translation()).norm();
-    drift_ += visionCarries() && track.tracking ? kDrift * way : kBlindDrift * dt;
+    drift_ += visionCarries() ? kDrift * way : kBlindDrift * dt;
     time_without_vision_ = track.tracking ? 0.0 : time_without_vision_ + dt;
   }
   path_.add(track);
