@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
 
@@ -27,10 +28,12 @@ namespace rubble::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::literals::operator""_json_pointer;
 
 constexpr double kMaxGap = 0.1;            // s, between poses of the truth
 constexpr double kMapTolerance = 0.05;     // m
 constexpr double kShortestCrossing = 0.5;  // m
+constexpr double kSettled = 15.0;          // s, before covariance is held against the truth
 constexpr std::uint64_t kMostSeeds = 1000;
 
 std::uint64_t parseSeed(const std::string& text) {
@@ -71,6 +74,9 @@ void runMethod(const Method& method, const std::vector<lcm_io::RawMessage>& miss
     names.emplace_back("fusion");
   }
   config.addOverride(fmt::format("fusion.mode={}", method.mode));
+  if (*method.less != '\0') {
+    config.addOverride(fmt::format("fusion.joint.{}=false", method.less));
+  }
   Processes processes(names, config);
   Recorder recorder(processes.endpoint());
   Progress progress(label, static_cast<std::int64_t>(mission.size()));
@@ -118,13 +124,17 @@ SeedScores runSeed(const ExperimentOptions& options, std::uint64_t seed) {
   config.addFile(mission / "robot.yaml");
   const auto heard = hearMission(mission / "mission.lcm", config, label("vision"));
   fs::remove(mission / "mission.lcm");
-  SeedScores result{seed, {}, {}};
+  SeedScores result;
+  result.seed = seed;
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     const Method& method = kMethods[m];
     runMethod(method, heard, config, dir / method.name, label(method.title));
     result.scores[m] = scoreResults(dir / method.name, mission, !method.with_fusion);
   }
-  result.recognition = scoreRecognition(dir / kMethods.back().name, mission, seed);
+  const fs::path joint = dir / kMethods[kJoint].name;
+  result.recognition = scoreRecognition(joint, mission, seed);
+  result.consistency = evaluateConsistency(readUncertainPoses(joint),
+                                           common::readTum(mission / "truth" / "body.tum"), kSettled);
   return result;
 }
 
@@ -176,6 +186,8 @@ Score scoreResults(const fs::path& results, const fs::path& mission, bool planar
     score.worst_drift = std::max(score.worst_drift, crossing.drift);
     score.worst_scale_error = std::max(score.worst_scale_error, std::abs(crossing.scale_error));
   }
+  const auto timing = nlohmann::json::parse(common::readFile(results / "timing.json"));
+  score.update_ms = timing.value("/fusion/total/p95_ms"_json_pointer, score.update_ms);
   const auto map = fs::exists(results / "map_0.yaml") ? readOccupiedCells(results / "map_0.yaml")
                                                       : std::vector<Eigen::Vector2d>();
   if (map.empty()) {

@@ -22,10 +22,10 @@ struct ExperimentOptions {
 /// `1..20`, `7` or `1,4,8..10`, in the order given. Throws common::Error for anything else.
 std::vector<std::uint64_t> parseSeeds(const std::string& text);
 
-/// Grid SLAM alone and fusion in each of its modes on the same arena missions, held against the truth.
-/// Monocular SLAM and the recogniser, which hear neither of them, run once per mission. Writes
-/// out_dir/seed_N/{mission, grid, lsm, lsm-robust, joint} (the log itself stays in the arena's cache) and
-/// out_dir/report.md, after every seed anew. Throws common::Error.
+/// Grid SLAM alone, fusion in each of its modes, and joint less each of its factors on the same arena
+/// missions, held against the truth. Monocular SLAM and the recogniser, which hear neither of them, run once
+/// per mission. Writes out_dir/seed_N/{mission, grid, lsm, lsm-robust, joint, joint-less-ranges ...} (the log
+/// itself stays in the arena's cache) and out_dir/report.md, after every seed anew. Throws common::Error.
 void runExperiment(const ExperimentOptions& options);
 
 /// Holds the files of a replay against the truth of its mission (`rubble arena`). With only a planar pose the

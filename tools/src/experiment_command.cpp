@@ -23,7 +23,7 @@ void addExperimentCommand(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "experiment",
-      "Grid SLAM alone, lsm, lsm-robust and joint on the same arena missions, against the truth");
+      "Grid SLAM alone, lsm, lsm-robust, joint and joint less each factor on the same arena missions");
   command->add_option("--seeds", arguments->seeds, "e.g. 7, 1..20 or 1,4,8..10")->capture_default_str();
   command->add_option("--mission", arguments->mission, "As of `rubble arena`")
       ->check(CLI::IsMember({"flat", "rescue", "tour"}))

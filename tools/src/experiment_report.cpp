@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
 
 #include "common/error.h"
 #include "common/statistics.h"
@@ -27,7 +29,8 @@ constexpr std::array kColumns = {Column{"6D ATE RMSE m", &Score::ate_rmse_m, fal
                                  Column{"map precision", &Score::map_precision, true, 1.0, 3},
                                  Column{"map recall", &Score::map_recall, true, 1.0, 3},
                                  Column{"worst drift in M %", &Score::worst_drift, false, 100.0, 1},
-                                 Column{"worst scale in M %", &Score::worst_scale_error, false, 100.0, 1}};
+                                 Column{"worst scale in M %", &Score::worst_scale_error, false, 100.0, 1},
+                                 Column{"fusion ms", &Score::update_ms, false, 1.0, 1}};
 
 std::string cell(const Column& column, double value) {
   return std::isfinite(value) ? fmt::format(" {:.{}f} |", column.factor * value, column.digits) : " none |";
@@ -66,6 +69,28 @@ double median(const std::vector<double>& sorted) {
 /// What nine in ten reach.
 double nineTenths(const std::vector<double>& best_first) {
   return best_first[(9 * best_first.size() + 9) / 10 - 1];
+}
+
+std::string consistencyReport(const std::vector<SeedScores>& seeds) {
+  std::map<char, Consistency> all;
+  for (const SeedScores& seed : seeds) {
+    for (const auto& [state, one] : seed.consistency) {
+      Consistency& sum = all[state];
+      sum.poses += one.poses;
+      sum.xy += one.poses * one.xy;
+      sum.z += one.poses * one.z;
+      sum.attitude += one.poses * one.attitude;
+    }
+  }
+  std::string text =
+      "\n## Covariance of joint\n\nPoses inside the 95 % bound of their covariance, %.\n\n"
+      "| state | poses | xy | z | attitude |\n|---|---|---|---|---|\n";
+  for (const auto& [state, sum] : all) {
+    const double percent = 100.0 / sum.poses;
+    text += fmt::format("| {} | {} | {:.1f} | {:.1f} | {:.1f} |\n", state, sum.poses, percent * sum.xy,
+                        percent * sum.z, percent * sum.attitude);
+  }
+  return text;
 }
 
 std::string recognitionReport(const std::vector<SeedScores>& seeds) {
@@ -117,21 +142,23 @@ std::string experimentReport(const std::string& title, const std::vector<SeedSco
   text +=
       "\nPoses as published, aligned at the start (position and heading). Grid SLAM alone takes the body to "
       "be "
-      "level. Maps: occupied cells within 5 cm of each other.\n\n| seed | truth |";
+      "level. Maps: occupied cells within 5 cm of each other. Fusion: CPU ms per picture, "
+      "95th percentile.\n\n| seed | truth |";
   rule = "|---|---|";
-  for (const Method& method : kMethods) {
+  const auto whole = std::span(kMethods).first<kJoint + 1>();
+  for (const Method& method : whole) {
     text += fmt::format(" {} |", method.title);
     rule += "---|";
   }
   text += "\n" + rule + "\n";
   for (const SeedScores& seed : seeds) {
     text += fmt::format("| {0} | ![truth](seed_{0}/mission/truth/map_0.png) |", seed.seed);
-    for (const Method& method : kMethods) {
+    for (const Method& method : whole) {
       text += fmt::format(" ![{1}](seed_{0}/{1}/map_0.png) |", seed.seed, method.name);
     }
     text += "\n";
   }
-  return text + recognitionReport(seeds);
+  return text + consistencyReport(seeds) + recognitionReport(seeds);
 }
 
 }  // namespace rubble::tools

@@ -3,8 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
+
+#include "eval_consistency.h"
 
 namespace rubble::tools {
 
@@ -13,12 +16,21 @@ struct Method {
   const char* name;   // of its folder
   const char* title;  // in the report
   bool with_fusion;
-  const char* mode;  // fusion.mode
+  const char* mode;       // fusion.mode
+  const char* less = "";  // factor of fusion.joint that is switched off
 };
 
 inline constexpr std::array kMethods = {
-    Method{"grid", "grid SLAM alone", false, "lsm"}, Method{"lsm", "lsm", true, "lsm"},
-    Method{"lsm-robust", "lsm-robust", true, "lsm-robust"}, Method{"joint", "joint", true, "joint"}};
+    Method{"grid", "grid SLAM alone", false, "lsm"},
+    Method{"lsm", "lsm", true, "lsm"},
+    Method{"lsm-robust", "lsm-robust", true, "lsm-robust"},
+    Method{"joint", "joint", true, "joint"},
+    Method{"joint-less-ranges", "joint less ranges", true, "joint", "ranges"},
+    Method{"joint-less-floor", "joint less floor", true, "joint", "floor"},
+    Method{"joint-less-lidar", "joint less LIDAR_POSE", true, "joint", "lidar"},
+    Method{"joint-less-clock", "joint less clock", true, "joint", "clock"}};
+/// Of these, the one that the robot runs.
+inline constexpr std::size_t kJoint = 3;
 
 /// Against the truth, aligned at the start; the worst values until it is known better.
 struct Score {
@@ -31,6 +43,8 @@ struct Score {
   /// Of the worst way that vision carried alone (half a metre or more); infinite where there was none.
   double worst_drift = std::numeric_limits<double>::infinity();        // share of the way
   double worst_scale_error = std::numeric_limits<double>::infinity();  // share
+  /// Of fusion's thread, CPU time per picture, 95th percentile.
+  double update_ms = std::numeric_limits<double>::infinity();
 };
 
 /// The paper's experiment A: monocular SLAM and recognition. Objects count as seen when they were in plain
@@ -49,10 +63,12 @@ struct SeedScores {
   std::uint64_t seed = 0;
   std::array<Score, kMethods.size()> scores;  // of kMethods
   RecognitionScore recognition;
+  std::map<char, Consistency> consistency;  // of joint
 };
 
 /// Markdown: a table of experiment B (fusion) for every seed, median and what 90 % of the seeds reach, and
-/// the maps beside the true one, and a table of experiment A. `title`: what was run. At least one seed.
+/// the maps beside the true one, joint's covariance, and a table of experiment A. `title`: what was run. At
+/// least one seed.
 std::string experimentReport(const std::string& title, const std::vector<SeedScores>& seeds);
 
 }  // namespace rubble::tools
