@@ -183,13 +183,9 @@ void addConsistency(CLI::App& parent) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app->footer(
-      "RESULTS is a folder of `rubble replay` (trajectory_fused.tum, covariance.csv), TRUTH a TUM file in "
-      "the "
-      "same\n"
-      "world. For each control state (H, M, R): poses_H; the shares of them whose error is inside the 95 % "
-      "bound "
-      "of\n"
-      "their covariance: xy_inside_H, z_inside_H, attitude_inside_H\n"
+      "RESULTS is a folder of `rubble replay` (trajectory_fused.tum, covariance.csv), TRUTH a TUM file in\n"
+      "the same world. Keys, for each control state (H, M, R): poses_H; the shares of them whose error is\n"
+      "inside the 95 % bound of their covariance, xy_inside_H, z_inside_H, attitude_inside_H\n"
       "Example:\n  rubble eval consistency out mission/truth/body.tum --json\n");
 }
 

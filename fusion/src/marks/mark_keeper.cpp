@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -153,9 +152,7 @@ void MarkKeeper::addState(const RobotState& state, std::int32_t level) {
   place.T_world_camera = state.T_world_body * T_body_camera_;
   place.on_level = fusion_.plane().state() == ControlState::kH;
   place.level = level;
-  const Eigen::Matrix3d covariance = state.covariance.topLeftCorner<3, 3>();
-  place.sigma =
-      std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
+  place.sigma = largestSigma(state.covariance.topLeftCorner<3, 3>());
   keep(places_, place, kMostPlaces);
   useWaiting();
 }

@@ -44,10 +44,6 @@ Matrix3d nearestRotation(const Matrix3d& M) {
   return R;
 }
 
-double largestSigma(const MarkPosition& position) {
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(position.covariance).eigenvalues().maxCoeff());
-}
-
 double distanceOf(const Mark& a, const Mark& b) { return (a.position.p_world - b.position.p_world).norm(); }
 
 bool isLabelOf(const Mark& label, const Mark& solid) {
@@ -239,7 +235,7 @@ void ObjectMarks::see(Mark& mark, const PicturePlace& place, const Bearing& seen
   // At a ramp's foot a level scan ends on the slope, and tells a label far behind it no true range. What is
   // known no better than the pose has drifted since may still learn from the way up. A solid thing learns
   // little from it (its bearings are unsure), but is confirmed by the number of places.
-  const bool learns = !mark.label.isSolid() && place.sigma < largestSigma(mark.position);
+  const bool learns = !mark.label.isSolid() && place.sigma < largestSigma(mark.position.covariance);
   if (place.on_level || !mark.on_level || learns) {
     mark.on_level |= place.on_level;
     mark.level = place.level;
@@ -308,7 +304,7 @@ bool ObjectMarks::confirmSeen() {
                   other.state != MarkState::kDiscarded && distanceOf(other, mark) < kSamePlace &&
                   std::pair(other.by_operator, other.evidence) > std::pair(false, mark.evidence));
         });
-    const bool sure = isSeenEnough(mark) && largestSigma(mark.position) <= config_.confirm_sigma;
+    const bool sure = isSeenEnough(mark) && largestSigma(mark.position.covariance) <= config_.confirm_sigma;
     const MarkState state = outdone                                       ? MarkState::kPending
                             : sure || mark.state == MarkState::kConfirmed ? MarkState::kConfirmed
                                                                           : MarkState::kPending;

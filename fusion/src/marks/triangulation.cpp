@@ -79,6 +79,10 @@ NormalEquations equationsAt(std::span<const MarkView> views, const Vector3d& p) 
 
 }  // namespace
 
+double largestSigma(const Matrix3d& covariance) {
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvalues().maxCoeff());
+}
+
 MarkPosition triangulate(std::span<const MarkView> views) {
   const auto* best = &views.front();
   for (const MarkView& view : views) {

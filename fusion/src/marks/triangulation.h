@@ -25,6 +25,9 @@ struct MarkPosition {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2
 };
 
+/// Deviation in the direction in which the place is known worst.
+double largestSigma(const Eigen::Matrix3d& covariance);
+
 /// Robust least squares (Gauss-Newton, Huber) over bearings and ranges, at least one view. Where nothing
 /// tells the distance it is some metres, and the covariance says so.
 MarkPosition triangulate(std::span<const MarkView> views);
