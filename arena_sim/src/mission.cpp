@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Grows when the same scenario comes to look or sound different. Older cached missions are then stale.
-constexpr int kOutputVersion = 2;
+constexpr int kOutputVersion = 3;
 
 constexpr std::uint32_t kControllerStream = 20;
 

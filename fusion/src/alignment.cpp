@@ -44,7 +44,7 @@ SampleResidual alignmentResidual(const AlignmentSample& sample, const Pose3& T_c
   SampleResidual r;
   r << p_lidar.x() - sample.T_world_lidar.x, p_lidar.y() - sample.T_world_lidar.y,
       common::wrapAngle(std::atan2(heading.y(), heading.x()) - sample.T_world_lidar.yaw),
-      T_world_camera.translation().z() + to_body.z(), up.x(), up.y();
+      T_world_camera.translation().z() + to_body.z() - sample.floor, up.x(), up.y();
   if (jacobian != nullptr) {
     SampleJacobian& J = *jacobian;
     J.setZero();
@@ -174,7 +174,7 @@ std::optional<Similarity> roughAlignment(std::span<const AlignmentSample> sample
   S.R = R_world_mono;
   S.p.head<2>() =
       lidarPosition(first) - lever(first) - S.scale * (S.R * first.T_mono_camera.translation()).head<2>();
-  S.p.z() = -(S * first.T_mono_camera * T_camera_body).translation().z();
+  S.p.z() = first.floor - (S * first.T_mono_camera * T_camera_body).translation().z();
   return S;
 }
 

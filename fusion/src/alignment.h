@@ -14,6 +14,7 @@ struct AlignmentSample {
   common::Pose3 T_camera_lidar;  ///< m, with the plate as it stood
   common::Pose2 T_world_lidar;   ///< level: the LiDAR's origin and heading, from its own SLAM
   Eigen::Vector3d v_world_lidar = Eigen::Vector3d::Zero();  ///< its change: m/s, m/s, rad/s
+  double floor = 0.0;                                       ///< m, the level's
 };
 
 /// S_world_mono: p_world = scale * R * p_mono + p.

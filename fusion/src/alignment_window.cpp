@@ -29,16 +29,15 @@ double wayBetween(const AlignmentSample& a, const AlignmentSample& b) {
 AlignmentWindow::AlignmentWindow(const FusionConfig& config, const Pose3& T_body_camera)
     : config_(config), T_camera_body_(T_body_camera.inverse()), mount_(T_body_camera) {}
 
-void AlignmentWindow::add(const common::AnchoredPose& picture, const Pose2& T_world_lidar,
-                          const Eigen::Vector3d& v_world_lidar, const Pose3& T_camera_lidar) {
+void AlignmentWindow::add(const common::AnchoredPose& picture, const AlignmentSample& pose) {
   if (!samples_.empty()) {
-    const Pose2 moved = samples_.back().pose.T_world_lidar.inverse() * T_world_lidar;
+    const Pose2 moved = samples_.back().pose.T_world_lidar.inverse() * pose.T_world_lidar;
     if (moved.translation().norm() < kSampleWay && std::abs(moved.yaw) < kSampleTurn) {
       return;
     }
     way_since_check_ += moved.translation().norm();
   }
-  samples_.push_back({picture, {Pose3::Identity(), T_camera_lidar, T_world_lidar, v_world_lidar}});
+  samples_.push_back({picture, pose});
   trim();
 }
 

@@ -20,10 +20,9 @@ class AlignmentWindow {
  public:
   AlignmentWindow(const FusionConfig& config, const common::Pose3& T_body_camera);
 
-  /// A picture, where the LiDAR stood at its time, how it moved, and where it sits on the camera. Pictures
-  /// that are too near the last one are left out.
-  void add(const common::AnchoredPose& picture, const common::Pose2& T_world_lidar,
-           const Eigen::Vector3d& v_world_lidar, const common::Pose3& T_camera_lidar);
+  /// A picture, and the rest of its sample (without T_mono_camera, which the keyframes tell). Pictures that
+  /// are too near the last one are left out.
+  void add(const common::AnchoredPose& picture, const AlignmentSample& pose);
 
   void clear() { samples_.clear(); }
 
@@ -37,7 +36,7 @@ class AlignmentWindow {
  private:
   struct Sample {
     common::AnchoredPose picture;
-    AlignmentSample pose;  // Without T_mono_camera, which the keyframes tell.
+    AlignmentSample pose;
   };
 
   void trim();

@@ -19,9 +19,11 @@ void visit(common::ConfigSection& section, FusionConfig& config) {
                 "that agree with the map and with vision in a row until H");
   plane.integer("observe_scans", config.plane.observe_scans, "", 1, 10000,
                 "the same where the attitude was unknown: a tilted plane would not agree for long");
-
   plane.integer("contradictions", config.plane.contradictions, "", 1, 10000,
                 "scans in a row that contradict vision until M: the LiDAR slides, as at the foot of a ramp");
+  plane.flag("levels", config.plane.levels, "another level floor gets a grid of its own; off: M there");
+  plane.number("floor_after", config.plane.floor_after, "s", 0.2, 60.0,
+               "of standing level at one height, after a slope, until that is a level");
 
   auto& alignment = section.section("alignment", "of the monocular map with world, standard deviations");
   alignment.number("position_sigma", config.alignment.position_sigma, "m", 1e-4, 10.0,

@@ -14,7 +14,7 @@ using common::ByteReader;
 using common::ByteWriter;
 using common::Pose3;
 
-constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '4'};
+constexpr common::Magic kMagic = {'R', 'B', 'L', 'F', 'U', 'S', 'E', '5'};
 
 void putPose(ByteWriter& out, const Pose3& T) { out.putAll(std::span<const double>(T.matrix().data(), 16)); }
 
@@ -40,6 +40,13 @@ std::vector<std::uint8_t> serialise(const FusionMemory& memory) {
   putPose(out, memory.last.T_mono_camera);
   out.put(static_cast<std::uint8_t>(memory.state));
   out.put(memory.revision);
+  out.put(memory.level);
+  out.put(static_cast<std::uint64_t>(memory.levels.size()));
+  for (const Level& level : memory.levels) {
+    out.put(level.floor);
+    out.putAll(std::span<const double>(level.origin.data(), 2));
+    out.putAll(std::span<const double>(level.covariance.data(), 16));
+  }
   out.put(static_cast<std::uint8_t>(memory.attitude_known));
   out.put(static_cast<std::uint64_t>(memory.maps.size()));
   for (const auto& [id, map] : memory.maps) {
@@ -73,6 +80,19 @@ FusionMemory parseFusionMemory(std::span<const std::uint8_t> bytes) {
   }
   memory.state = static_cast<ControlState>(state);
   memory.revision = in.get<std::int64_t>();
+  memory.level = in.get<std::int32_t>();
+  memory.levels.resize(in.getCount((1 + 2 + 16) * sizeof(double)));
+  for (Level& level : memory.levels) {
+    level.floor = in.get<double>();
+    in.getAll(std::span<double>(level.origin.data(), 2));
+    in.getAll(std::span<double>(level.covariance.data(), 16));
+    if (!std::isfinite(level.floor) || !level.origin.allFinite() || !level.covariance.allFinite()) {
+      in.fail("a level that is not finite");
+    }
+  }
+  if (memory.level < 0 || static_cast<std::size_t>(memory.level) >= memory.levels.size()) {
+    in.fail("a level that does not exist");
+  }
   memory.attitude_known = in.get<std::uint8_t>() != 0;
   constexpr std::size_t kMapBytes = 4 + 8 + 16 * 8 + 8 + 1 + 8;
   for (std::size_t i = in.getCount(kMapBytes); i > 0; --i) {

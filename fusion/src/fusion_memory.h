@@ -35,6 +35,8 @@ struct FusionMemory {
   Track last;
   ControlState state = ControlState::kH;
   std::int64_t revision = 0;
+  std::vector<Level> levels{1};
+  std::int32_t level = 0;  ///< index in `levels`
   bool attitude_known = true;
   std::map<std::int32_t, MapAlignment> maps;
   std::vector<Mark> marks;

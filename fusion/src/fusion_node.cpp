@@ -53,7 +53,6 @@ constexpr Utime kBlindPeriod = common::kMicrosecondsPerSecond / 30;
 constexpr Utime kLatest = common::kMicrosecondsPerSecond;
 /// How long a contradiction is reported.
 constexpr Utime kContradictionSpan = 10 * common::kMicrosecondsPerSecond;
-constexpr int kLevel = 0;
 
 class FusionNode : public lcm_io::Node {
  public:
@@ -289,7 +288,9 @@ class FusionNode : public lcm_io::Node {
       last_contradiction_ = utime;
     }
     if (started_) {
-      spdlog::info("control state {}", "HMR"[static_cast<int>(fusion_.plane().state())]);
+      spdlog::info("control state {} on level {}, floor at {:.2f} m",
+                   "HMR"[static_cast<int>(fusion_.plane().state())], fusion_.plane().levelId(),
+                   fusion_.plane().level().floor);
       counters_.switches += fusion_.plane().state() == ControlState::kM ? 1 : 0;
       publishControl(utime);
       publishFusionState(utime);
@@ -309,10 +310,10 @@ class FusionNode : public lcm_io::Node {
     pose.attitude =
         state.attitude_known ? rubble::robot_pose_t::ATTITUDE_KNOWN : rubble::robot_pose_t::ATTITUDE_UNKNOWN;
     pose.control_state = static_cast<std::int8_t>(fusion_.plane().state());
-    pose.level = kLevel;
+    pose.level = fusion_.plane().levelId();
     bus_.publish(lcm_io::channel::kRobotPose, pose);
     path_.add(pose);
-    keeper_.addState(state, kLevel);
+    keeper_.addState(state, fusion_.plane().levelId());
     keeper_.publish(state.utime);
     if (state.utime - last_path_ >= kPathPeriod) {
       bus_.publish(lcm_io::channel::kTrajectory, path_.next(state.utime));
@@ -331,7 +332,7 @@ class FusionNode : public lcm_io::Node {
     control.utime = utime;
     control.revision = fusion_.plane().revision();
     control.state = static_cast<std::int8_t>(fusion_.plane().state());
-    control.level = kLevel;
+    control.level = fusion_.plane().levelId();
     control.confirmed_h_utime = fusion_.plane().confirmed();
     bus_.publish(lcm_io::channel::kLidarControl, control);
     last_control_ = utime;
@@ -341,7 +342,7 @@ class FusionNode : public lcm_io::Node {
     rubble::fusion_state_t state{};
     state.utime = utime;
     state.control_state = static_cast<std::int8_t>(fusion_.plane().state());
-    state.level = kLevel;
+    state.level = fusion_.plane().levelId();
     state.map_id = fusion_.mapId();
     state.map_revision = fusion_.mapRevision();
     common::Pose3 T_world_mono = common::Pose3::Identity();

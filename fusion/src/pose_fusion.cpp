@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/error.h"
@@ -22,6 +23,8 @@ namespace {
 constexpr Utime kVelocitySpan = common::kMicrosecondsPerSecond / 10;
 /// Scans that wait for vision: one second.
 constexpr std::size_t kMostWaiting = 40;
+/// How long the LiDAR's poses in H wait for the monocular map's pictures.
+constexpr Utime kLidarSpan = 8 * common::kMicrosecondsPerSecond;
 /// Share of a scan's motion in the velocity that carries the pose without vision.
 constexpr double kVelocityGain = 0.3;
 /// Silence after which a sensor no longer carries the pose.
@@ -54,6 +57,10 @@ constexpr std::size_t kAnchors = 5;
 constexpr double kAnchorSpread = 0.06;
 constexpr double kAnchorSigma = 0.03;
 constexpr double kAnchorWay = 0.01;
+/// x, y, z, heading in the covariance of a pose; and how sure they are where a level begins, m and rad: what
+/// its first scan is off the pose.
+constexpr std::array kPlanar = {0, 1, 2, 5};
+const Eigen::Vector4d kLevelBegins(0.01, 0.01, 0.02, 0.005);
 /// Tilt of the body (rad) up to which the ground counts as level while nothing sees the attitude.
 constexpr double kLevelGround = 0.05;
 
@@ -83,6 +90,7 @@ PoseFusion::PoseFusion(const FusionConfig& config, const common::RobotConfig& ro
       robot_(robot),
       T_camera_body_(robot.T_body_camera().inverse()),
       plane_(config.plane),
+      lidar_(kLidarSpan),
       window_(config, robot.T_body_camera()) {
   if (config.plane.mode == "joint") {
     joint_.emplace(config.joint, T_camera_body_);
@@ -195,22 +203,45 @@ RobotState PoseFusion::state() const {
     state.v_world_body = (state.T_world_body.translation() - T_world_before.translation()) / dt;
     state.w_body = rotationVector(T_world_before.linear().transpose() * state.T_world_body.linear()) / dt;
   }
-  const double drift = kDriftSigma * drift_;
-  auto& P = state.covariance;
-  P.setZero();
-  P.topLeftCorner<2, 2>() = lidar_covariance_.topLeftCorner<2, 2>();
-  P(0, 0) += 1e-4 + drift * drift;
-  P(1, 1) += 1e-4 + drift * drift;
-  P(2, 2) = 2.5e-3 + drift * drift + (attitude_known_ ? 0.0 : 1.0);
-  const double tilt = attitude_known_ ? 0.01 + 0.002 * time_without_vision_ : 0.5;
-  P(3, 3) = P(4, 4) = tilt * tilt;
-  P(5, 5) = lidar_covariance_(2, 2) + 1e-5 + 1e-4 * drift_;
+  state.covariance = covariance();
+  return state;
+}
+
+Eigen::Matrix<double, 6, 6> PoseFusion::covariance() const {
+  const Pose3& T_world_camera = path_.last().T_world_camera;
+  Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();
   if (jointHolds()) {
     Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();
-    J.topRightCorner<3, 3>() = -skew(track.T_world_camera.linear() * T_camera_body_.translation());
+    J.topRightCorner<3, 3>() = -skew(T_world_camera.linear() * T_camera_body_.translation());
     P = J * joint_->covariance() * J.transpose();
+  } else {
+    const double drift = kDriftSigma * drift_;
+    P.topLeftCorner<2, 2>() = lidar_covariance_.topLeftCorner<2, 2>();
+    P(0, 0) += 1e-4 + drift * drift;
+    P(1, 1) += 1e-4 + drift * drift;
+    P(2, 2) = 2.5e-3 + drift * drift + (attitude_known_ ? 0.0 : 1.0);
+    const double tilt = attitude_known_ ? 0.01 + 0.002 * time_without_vision_ : 0.5;
+    P(3, 3) = P(4, 4) = tilt * tilt;
+    P(5, 5) = lidar_covariance_(2, 2) + 1e-5 + 1e-4 * drift_;
   }
-  return state;
+  const Level& level = plane_.levels()[static_cast<std::size_t>(level_)];
+  P(kPlanar, kPlanar) += levelCovariance(level, (T_world_camera * T_camera_body_).translation().head<2>());
+  return P;
+}
+
+void PoseFusion::followLevel() {
+  if (plane_.levelId() == level_) {
+    return;
+  }
+  const Eigen::Matrix4d now = covariance()(kPlanar, kPlanar);
+  level_ = plane_.levelId();
+  const bool begins = level_ > 0 && plane_.level().covariance.isZero();
+  if (begins) {
+    plane_.link((path_.last().T_world_camera * T_camera_body_).translation().head<2>(), now);
+  }
+  if (jointHolds()) {
+    joint_->changeLevel(path_, begins ? kLevelBegins : now.diagonal().cwiseSqrt());
+  }
 }
 
 RobotState PoseFusion::addTrack(const Track& track) {
@@ -228,10 +259,11 @@ RobotState PoseFusion::addTrack(const Track& track) {
   } else if (joint_ && track.tracking) {
     const MapAlignment& map = maps_.at(map_id_);
     joint_->follow(path_, {map.S_world_mono.scale, map.scale_sigma, kDriftSigma * drift_, attitude_known_},
-                   plane_.state());
+                   plane_);
   }
   useWaiting();
   plane_.addPlane(track.utime, planeOf(path_.last().T_world_camera, track.utime), attitude_known_);
+  followLevel();
   return state();
 }
 
@@ -358,6 +390,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   const bool insisted = plane_.addScan(!counts  ? PlaneState::Scan::kUnmatched
                                        : agrees ? PlaneState::Scan::kAgrees
                                                 : PlaneState::Scan::kContradicts);
+  followLevel();
   const bool returned = returns && plane_.state() == ControlState::kH;
   if (returned) {
     attitude_known_ = true;
@@ -367,7 +400,8 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   if (insisted || (returned && jumps && plane_.contradictedOnLevelGround())) {
     if (!usable) {
       standLevel();
-      path_.correct(motionAbout(T_predicted.translation(), Vector3d::Zero(), {0.0, 0.0, -plane.height}));
+      path_.correct(motionAbout(T_predicted.translation(), Vector3d::Zero(),
+                                {0.0, 0.0, plane_.level().floor - plane.height}));
     }
     distrustVision();
   }
@@ -379,7 +413,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   }
   if (jointHolds() && anchored_) {
     const LidarFix fix{T_camera_lidar(lidar.utime), lidar.T_world_lidar, lidar_velocity_, lidar.covariance};
-    const bool used = joint_->addLidar(path_, lidar.utime, fix, plane_.state(), came_back_);
+    const bool used = joint_->addLidar(path_, lidar.utime, fix, plane_, came_back_);
     came_back_ = came_back_ && !used;
   } else {
     const double gain = visionCarries() && !came_back_ && anchored_ ? config_.lidar_gain : 1.0;
@@ -395,6 +429,9 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   drift_ = attitude_known_ ? 0.0 : drift_;
   lidar_covariance_ = lidar.covariance;
   if (plane_.state() == ControlState::kH && !lidar.tilt_guessed) {
+    if (!lidar_.covers(lidar.utime - kSilence)) {
+      lidar_ = common::History<Pose2>(kLidarSpan);  // Nobody knows where it was in between.
+    }
     lidar_.add(lidar.utime, lidar.T_world_lidar);
   }
 }
@@ -472,7 +509,7 @@ void PoseFusion::addSamples(std::span<const common::AnchoredPose> pictures) {
       const double dt = common::secondsFromUtime(kVelocitySpan);
       const Vector3d v((after->x - before->x) / dt, (after->y - before->y) / dt,
                        common::wrapAngle(after->yaw - before->yaw) / dt);
-      window_.add(picture, *T, v, T_camera_lidar(picture.utime));
+      window_.add(picture, {Pose3::Identity(), T_camera_lidar(picture.utime), *T, v, plane_.level().floor});
     }
   }
 }
@@ -517,6 +554,8 @@ FusionMemory PoseFusion::memory() const {
   }
   memory.state = plane_.state();
   memory.revision = plane_.revision();
+  memory.levels = plane_.levels();
+  memory.level = plane_.levelId();
   memory.attitude_known = attitude_known_;
   memory.maps = maps_;
   return memory;
@@ -527,7 +566,8 @@ void PoseFusion::restore(const FusionMemory& memory) {
   map_id_ = memory.last.map_id;
   map_revision_ = memory.last.map_revision;
   // A revision of its own: whoever heard the last one learns that something has changed.
-  plane_.restore(memory.state, memory.revision + 1);
+  plane_.restore(memory.state, memory.revision + 1, memory.levels, memory.level);
+  level_ = memory.level;
   attitude_known_ = memory.attitude_known;
   maps_ = memory.maps;
   anchored_ = false;

@@ -107,11 +107,15 @@ class PoseFusion {
   common::Pose3 extrapolate(common::Utime utime) const;
   Plane planeOf(const common::Pose3& T_world_camera, common::Utime utime) const;
   RobotState addTrack(const Track& track);
+  /// After plane_ may have gone to another level.
+  void followLevel();
   /// Without vision the attitude stays known on level ground only.
   void watchAttitude();
   /// Turns the way so that the body stands level now.
   void standLevel();
   RobotState state() const;
+  /// Of the body: (x, y, z; rotation vector in world).
+  Eigen::Matrix<double, 6, 6> covariance() const;
   /// Vision tells how far the robot moves. In H the LiDAR does while the scale is young: a map that was begun
   /// in a turn may have a scale that nobody measured. In R, too, while it is learnt anew.
   bool visionCarries() const;
@@ -132,8 +136,9 @@ class PoseFusion {
   PlaneState plane_;
 
   common::History<Eigen::Vector2d> plate_{4 * common::kMicrosecondsPerSecond};
-  std::deque<LidarMeasurement> waiting_;                                      // Newer than the last picture.
-  common::History<common::Pose2> lidar_{8 * common::kMicrosecondsPerSecond};  // In H.
+  std::deque<LidarMeasurement> waiting_;  // Newer than the last picture.
+  common::History<common::Pose2> lidar_;  // In H, without a gap.
+  int level_ = 0;                         // That the pose counts from.
   common::Utime last_lidar_ = 0;
   common::Pose2 T_world_lidar_last_;
   Eigen::Vector3d lidar_velocity_ = Eigen::Vector3d::Zero();  // x, y m/s, heading rad/s in world

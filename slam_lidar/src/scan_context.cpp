@@ -10,6 +10,14 @@ namespace rubble::slam_lidar {
 using common::Pose3;
 using common::Utime;
 
+namespace {
+
+common::Pose2 planar(const Pose3& T) {
+  return {T.translation().x(), T.translation().y(), common::rpyFromRotation(T.linear()).yaw};
+}
+
+}  // namespace
+
 void ScanContext::addPlate(Utime utime, double roll, double pitch) {
   if (!std::isfinite(roll) || !std::isfinite(pitch)) {
     throw common::Error("plate angles that are not finite");
@@ -51,12 +59,16 @@ ScanContext::Tilt ScanContext::tiltAt(Utime utime) const {
   return tilt;
 }
 
+std::optional<common::Pose2> ScanContext::fusedPose(Utime utime) const {
+  const auto body = body_.covers(utime) ? body_.at(utime) : std::nullopt;
+  return body ? std::optional(planar(body->value * T_body_lidar(utime))) : std::nullopt;
+}
+
 std::optional<MotionPrior> ScanContext::takePrior(Utime utime, PriorSource source) {
   const std::optional<Pose3> T_odom_last = std::exchange(T_odom_lidar_last_, std::nullopt);
   const std::optional<common::Pose2> T_world_last = std::exchange(T_world_lidar_last_, std::nullopt);
   if (const auto body = body_.at(utime)) {
-    const Pose3 T = body->value * T_body_lidar(utime);
-    T_world_lidar_last_ = {T.translation().x(), T.translation().y(), common::rpyFromRotation(T.linear()).yaw};
+    T_world_lidar_last_ = planar(body->value * T_body_lidar(utime));
   }
   if (const auto odometry = odometry_.at(utime)) {
     T_odom_lidar_last_ = odometry->value * robot_.T_body_lidar();
@@ -69,9 +81,7 @@ std::optional<MotionPrior> ScanContext::takePrior(Utime utime, PriorSource sourc
   if (!T_odom_last || !T_odom_lidar_last_) {
     return std::nullopt;
   }
-  const Pose3 T_last_now = T_odom_last->inverse() * *T_odom_lidar_last_;
-  const double yaw = common::rpyFromRotation(T_last_now.linear()).yaw;
-  return MotionPrior{.T_previous_now = {T_last_now.translation().x(), T_last_now.translation().y(), yaw}};
+  return MotionPrior{planar(T_odom_last->inverse() * *T_odom_lidar_last_)};
 }
 
 }  // namespace rubble::slam_lidar

@@ -35,6 +35,10 @@ class ScanContext {
   /// not reach `utime` keeps its last value.
   Tilt tiltAt(common::Utime utime) const;
 
+  /// Where the LiDAR is by the fused pose: for a new level's grid, which has nothing yet to match with. Empty
+  /// where the pose does not reach `utime`.
+  std::optional<common::Pose2> fusedPose(common::Utime utime) const;
+
   enum class PriorSource { kOdometry, kFusedPose };
   /// The LiDAR's motion in the level plane since the last call; empty when the source does not cover both
   /// ends.

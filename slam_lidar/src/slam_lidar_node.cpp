@@ -23,7 +23,7 @@
 #include "common/robot_config.h"
 #include "lcm_io/channels.h"
 #include "lcm_io/conversions.h"
-#include "map_publisher.h"
+#include "level_grids.h"
 #include "scan_context.h"
 #include "slam_lidar/grid_slam.h"
 #include "slam_lidar_config.h"
@@ -41,9 +41,6 @@ using rubble::lidar_pose_t;
 /// Search window (m, rad) around the last pose after a restart: the robot may have moved on meanwhile.
 constexpr double kRestoreDistance = 3.0;
 constexpr double kRestoreAngle = 3.15;
-/// The same after M, through which vision has carried the pose.
-constexpr double kReturnDistance = 1.0;
-constexpr double kReturnAngle = 0.3;
 /// Scans that wait for their attitude at the same time; more mean that time stands still.
 constexpr std::size_t kMostWaiting = 100;
 
@@ -62,9 +59,9 @@ common::Pose2 startPose(const common::Config& config) {
           common::rpyFromRotation(T_world_lidar.linear()).yaw};
 }
 
-/// The grid of a checkpoint that is young enough, searching around its last pose; empty where there is none.
-std::optional<GridSlam> restoreFresh(const std::filesystem::path& path, const SlamLidarConfig& config,
-                                     Utime now) {
+/// The grids of a checkpoint that is young enough, searching around the last pose; empty where there is none.
+std::optional<LevelGrids> restoreFresh(const std::filesystem::path& path, const SlamLidarConfig& config,
+                                       Utime now) {
   const auto age = common::fileAge(path, now);
   if (!age) {
     return std::nullopt;
@@ -74,10 +71,10 @@ std::optional<GridSlam> restoreFresh(const std::filesystem::path& path, const Sl
     return std::nullopt;
   }
   try {
-    GridSlam grid = GridSlam::restore(config.grid, common::readFile(path));
-    grid.relocalise(grid.pose(), kRestoreDistance, kRestoreAngle);
+    LevelGrids grids = LevelGrids::restore(config.grid, common::readFile(path));
+    grids.present().relocalise(grids.present().pose(), kRestoreDistance, kRestoreAngle);
     spdlog::info("restored from {}, {:.0f} s old", path.string(), *age);
-    return grid;
+    return grids;
   } catch (const common::Error& e) {
     spdlog::error("{}: not restored, a new map begins: {}", path.string(), e.what());
     return std::nullopt;
@@ -91,12 +88,12 @@ class SlamLidarNode : public Node {
         times_(context.times),
         config_(readConfig(context.config)),
         context_(context.config.read<common::RobotConfig>("robot")),
-        grid_(config_.grid, startPose(context.config)) {
+        grids_(config_.grid, startPose(context.config)) {
     if (!context.state_dir.empty()) {
       std::filesystem::create_directories(context.state_dir);
       const std::filesystem::path path = context.state_dir / "slam_lidar.checkpoint";
       if (auto restored = restoreFresh(path, config_, bus_.now())) {
-        grid_ = std::move(*restored);
+        grids_ = std::move(*restored);
       }
       checkpoint_.emplace(path);
     }
@@ -113,11 +110,11 @@ class SlamLidarNode : public Node {
 
   void finish() override {
     handleWaiting([](const Waiting&) { return true; });
-    while (publisher_.behind(grid_)) {
-      bus_.publish(lcm_io::channel::kGridMap, publisher_.next(grid_, last_scan_utime_, level_));
+    for (const rubble::grid_map_t& map : grids_.remainingMaps(last_scan_utime_)) {
+      bus_.publish(lcm_io::channel::kGridMap, map);
     }
     if (checkpoint_ && counters_.scans > 0) {
-      checkpoint_->submit(grid_.serialise());
+      checkpoint_->submit(grids_.serialise());
     }
   }
 
@@ -193,20 +190,25 @@ class SlamLidarNode : public Node {
     if (control.state < lidar_control_t::STATE_H || control.state > lidar_control_t::STATE_R) {
       throw common::Error(fmt::format("unknown state {}", control.state));
     }
-    if (control.level != level_) {
-      throw common::Error(fmt::format("level {} does not exist, only level {}", control.level, level_));
+    if (control.level < 0 || control.level >= LevelGrids::kMostLevels) {
+      throw common::Error(fmt::format("level {} is impossible: they are 0 to {}", control.level,
+                                      LevelGrids::kMostLevels - 1));
     }
-    if (!control_ || control.state != control_->state) {
-      spdlog::info("control state {}", "HMR"[control.state]);
-      if (control.state == lidar_control_t::STATE_R) {
-        grid_.relocalise(grid_.pose(), kReturnDistance, kReturnAngle);
-      }
+    const bool other_level = control.level != grids_.level();
+    const bool news = !control_ || control.state != control_->state || control.level != control_->level;
+    if (news) {
+      spdlog::info("control state {} on level {}", "HMR"[control.state], control.level);
+    }
+    if (grids_.knows(control.level) && (other_level || (news && control.state == lidar_control_t::STATE_R))) {
+      grids_.enter(control.level);
     }
     control_ = control;
     control_received_ = bus_.now();
-    grid_.commitUntil(control.confirmed_h_utime);
+    if (!other_level) {
+      grids_.present().commitUntil(control.confirmed_h_utime);
+    }
     if (control.state == lidar_control_t::STATE_M) {
-      grid_.discardPending(control.confirmed_h_utime + 1);
+      grids_.present().discardPending(control.confirmed_h_utime + 1);
     }
   }
 
@@ -215,10 +217,9 @@ class SlamLidarNode : public Node {
       return;
     }
     if (command.verb == "save") {
-      common::writeFileAtomically(command.argument, grid_.serialise());
+      common::writeFileAtomically(command.argument, grids_.serialise());
     } else if (command.verb == "load") {
-      grid_ = GridSlam::restore(config_.grid, common::readFile(command.argument));
-      publisher_ = {};
+      grids_ = LevelGrids::restore(config_.grid, common::readFile(command.argument));
     } else {
       throw common::Error(fmt::format("unknown command `{}`; known: save FILE, load FILE", command.verb));
     }
@@ -236,6 +237,9 @@ class SlamLidarNode : public Node {
   ScanMode scanMode() const {
     if (!control_) {
       return ScanMode::kMatchAndWrite;
+    }
+    if (control_->level != grids_.level()) {
+      return ScanMode::kIgnore;  // Its grid has not begun.
     }
     switch (control_->state) {
       case lidar_control_t::STATE_M:
@@ -260,17 +264,29 @@ class SlamLidarNode : public Node {
     match(message);
     if (message.utime - last_map_utime_ >= common::utimeFromSeconds(config_.map_period)) {
       const lcm_io::StageTimer publish(times_, "publish_map");
-      bus_.publish(lcm_io::channel::kGridMap, publisher_.next(grid_, message.utime, level_));
+      for (const rubble::grid_map_t& map : grids_.nextMaps(message.utime)) {
+        bus_.publish(lcm_io::channel::kGridMap, map);
+      }
       last_map_utime_ = message.utime;
     }
     if (checkpoint_ && bus_.now() - last_checkpoint_ >= common::utimeFromSeconds(config_.checkpoint_period)) {
-      checkpoint_->submit(grid_.serialise());
+      checkpoint_->submit(grids_.serialise());
       last_checkpoint_ = bus_.now();
+    }
+  }
+
+  /// The grid of a level that LIDAR_CONTROL has named and nobody has seen.
+  void beginLevel(Utime utime) {
+    if (control_ && !grids_.knows(control_->level) && control_->state != lidar_control_t::STATE_M) {
+      if (const auto T_world_lidar = context_.fusedPose(utime)) {
+        grids_.begin(control_->level, *T_world_lidar);
+      }
     }
   }
 
   void match(const bot_core::planar_lidar_t& message) {
     const lcm_io::StageTimer total(times_, "total");
+    beginLevel(message.utime);
     const ScanContext::Tilt first = context_.tiltAt(message.utime);
     const ScanContext::Tilt last = context_.tiltAt(endOfSweep(message));
     ScanInput input;
@@ -288,7 +304,7 @@ class SlamLidarNode : public Node {
     ScanResult result;
     try {
       const lcm_io::StageTimer timer(times_, "match");
-      result = grid_.addScan(input);
+      result = grids_.present().addScan(input);
     } catch (const common::Error& e) {
       bus_.refuse(lcm_io::channel::kScan, e.what());
       return;
@@ -336,8 +352,8 @@ class SlamLidarNode : public Node {
         (input.prior ? lidar_pose_t::FLAG_PRIOR_USED : 0));
     pose.control_state = control_ ? control_->state : lidar_control_t::STATE_H;
     pose.control_revision = control_ ? control_->revision : -1;
-    pose.level = level_;
-    pose.map_revision = static_cast<std::int64_t>(grid_.mapRevision());
+    pose.level = grids_.level();
+    pose.map_revision = static_cast<std::int64_t>(grids_.present().mapRevision());
     bus_.publish(lcm_io::channel::kLidarPose, pose);
   }
 
@@ -345,8 +361,7 @@ class SlamLidarNode : public Node {
   lcm_io::StageTimes* times_;
   const SlamLidarConfig config_;
   ScanContext context_;
-  GridSlam grid_;
-  MapPublisher publisher_;
+  LevelGrids grids_;
   std::optional<common::CheckpointWriter> checkpoint_;
 
   std::deque<Waiting> waiting_;
@@ -354,7 +369,6 @@ class SlamLidarNode : public Node {
 
   std::optional<lidar_control_t> control_;
   Utime control_received_ = 0;
-  std::int32_t level_ = 0;
 
   Counters counters_;
   std::int8_t last_status_ = lidar_pose_t::STATUS_LOST;

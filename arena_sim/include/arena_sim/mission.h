@@ -54,7 +54,7 @@ std::filesystem::path userCache();
 /// A mission; without a robot the plate under the LiDAR follows a controller on late, noisy truth. Into the
 /// folder `out`, created when missing, go mission.lcm (the sources and GROUND_TRUTH), robot.yaml (the
 /// calibration of this robot), arena_sim.yaml (the scenario), truth/ (body.tum, camera.tum, lidar.tum,
-/// states.csv, map_0.yaml, objects.csv), preview.png and top_view.png. Sections `robot` and `arena_sim` of
+/// states.csv, map_0.yaml .., objects.csv), preview.png and top_view.png. Sections `robot` and `arena_sim` of
 /// the configuration count. The same arguments give the same bytes. Throws common::Error.
 void writeMission(const MissionOptions& options, const common::Config& config,
                   const std::filesystem::path& out);

@@ -19,8 +19,8 @@ constexpr int kMapBeams = 720;
 constexpr double kMapRange = 30.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// The arena's walls at this height, without the hall around.
-std::vector<Segment> wallsOf(const World& world, double z) {
+/// The arena's walls at this height. The hall around them stands out over a high level only.
+std::vector<Segment> arenaWallsAt(const World& world, double z) {
   constexpr double kMargin = 0.1;
   Eigen::AlignedBox2d arena = boundsOf(world.obstacles);
   arena.min().array() -= kMargin;
@@ -52,10 +52,15 @@ void visit(common::ConfigSection& section, TruthConfig& config) {
                  "to either side of the LiDAR's height over the level's floor; M beyond");
 }
 
-LidarState lidarStateAt(const TruthConfig& config, const common::Pose3& T_world_lidar, double lidar_height) {
+LidarState lidarStateAt(const TruthConfig& config, const common::Pose3& T_world_lidar,
+                        std::span<const double> floors, double lidar_height) {
+  const double z = T_world_lidar.translation().z() - lidar_height;
+  const auto nearest = std::min_element(
+      floors.begin(), floors.end(), [&](double a, double b) { return std::abs(z - a) < std::abs(z - b); });
   LidarState state;
+  state.level = static_cast<std::size_t>(nearest - floors.begin());
   state.tilt = std::acos(std::clamp(T_world_lidar.linear()(2, 2), -1.0, 1.0));
-  state.height = T_world_lidar.translation().z() - lidar_height;
+  state.height = z - *nearest;
   state.is_usable = state.tilt <= config.largest_tilt && std::abs(state.height) <= config.level_band;
   return state;
 }
@@ -66,8 +71,14 @@ TruthRecorder::TruthRecorder(const TruthConfig& config, const World& world, cons
       world_(world),
       tracer_(tracer),
       lidar_height_(lidar_height),
-      map_(wallsOf(world, lidar_height)),
-      states_("utime,state,level,tilt_deg,height_m\n") {}
+      floors_{0.0},
+      levels_{{TruthMap(arenaWallsAt(world, lidar_height))}},
+      states_("utime,state,level,tilt_deg,height_m\n") {
+  if (world.crossing) {
+    floors_.push_back(world.crossing->height);
+    levels_.push_back({TruthMap(sliceAt(world.scene, world.crossing->height + lidar_height))});
+  }
+}
 
 void TruthRecorder::addPicture(common::Utime utime, const common::Pose3& T_world_body,
                                const common::Pose3& T_world_camera) {
@@ -79,26 +90,28 @@ void TruthRecorder::addScan(common::Utime utime, const common::Pose3& T_world_bo
                             const common::Pose3& T_world_lidar) {
   body_.push_back({utime, T_world_body});
   lidar_.push_back({utime, T_world_lidar});
-  const LidarState state = lidarStateAt(config_, T_world_lidar, lidar_height_);
-  states_ += fmt::format("{},{},0,{:.3f},{:.4f}\n", utime, state.is_usable ? 'H' : 'M', kDegrees * state.tilt,
-                         state.height);
-  if (state.is_usable && scans_++ % kMapEveryScan == 0) {
-    seeMap(T_world_lidar);
+  const LidarState state = lidarStateAt(config_, T_world_lidar, floors_, lidar_height_);
+  states_ += fmt::format("{},{},{},{:.3f},{:.4f}\n", utime, state.is_usable ? 'H' : 'M', state.level,
+                         kDegrees * state.tilt, state.height);
+  Level& level = levels_[state.level];
+  if (state.is_usable && level.scans++ % kMapEveryScan == 0) {
+    // In the level plane at the level's LiDAR height: that is what the map shows.
+    const Eigen::Vector2d p = T_world_lidar.translation().head<2>();
+    seeMap(level.map, {p.x(), p.y(), floors_[state.level] + lidar_height_},
+           common::rpyFromRotation(T_world_lidar.linear()).yaw);
   }
 }
 
-/// In the level plane at the level's LiDAR height: that is what the map shows.
-void TruthRecorder::seeMap(const common::Pose3& T_world_lidar) {
-  const Eigen::Vector2d from = T_world_lidar.translation().head<2>();
-  const double yaw = common::rpyFromRotation(T_world_lidar.linear()).yaw;
+void TruthRecorder::seeMap(TruthMap& map, const Eigen::Vector3d& p_world_lidar, double yaw) const {
+  const Eigen::Vector2d from = p_world_lidar.head<2>();
   constexpr double kFieldOfView = 1.5 * std::numbers::pi;
   for (int i = 0; i < kMapBeams; ++i) {
     const double angle = yaw + kFieldOfView * (static_cast<double>(i) / (kMapBeams - 1) - 0.5);
     const Eigen::Vector3d direction(std::cos(angle), std::sin(angle), 0.0);
-    const auto hit = tracer_.cast({from.x(), from.y(), lidar_height_}, direction, kMapRange);
+    const auto hit = tracer_.cast(p_world_lidar, direction, kMapRange);
     const Eigen::Vector2d to = from + (hit ? hit->distance : 0.0) * direction.head<2>();
-    if (hit && map_.contains(to)) {
-      map_.addBeam(from, to);
+    if (hit && map.contains(to)) {
+      map.addBeam(from, to);
     }
   }
 }
@@ -111,8 +124,13 @@ void TruthRecorder::write(const std::filesystem::path& folder) const {
     common::writeTum(folder / "camera.tum", camera_);
   }
   common::writeFileAtomically(folder / "states.csv", states_);
-  common::writeFileAtomically(folder / "map_0.pgm", map_.pgm());
-  common::writeFileAtomically(folder / "map_0.yaml", map_.yaml("map_0.pgm"));
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    if (i == 0 || levels_[i].scans > 0) {
+      const std::string name = fmt::format("map_{}", i);
+      common::writeFileAtomically(folder / (name + ".pgm"), levels_[i].map.pgm());
+      common::writeFileAtomically(folder / (name + ".yaml"), levels_[i].map.yaml(name + ".pgm"));
+    }
+  }
   common::writeFileAtomically(folder / "objects.csv", objectTable(world_));
 }
 

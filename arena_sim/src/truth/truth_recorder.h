@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,14 +25,18 @@ void visit(common::ConfigSection& section, TruthConfig& config);
 /// Whether a planar map can take the scan. H: the LiDAR's plane is level and at its level's height; M: not.
 struct LidarState {
   bool is_usable = true;
-  double tilt = 0.0;    // rad, of the LiDAR's z axis from the vertical.
-  double height = 0.0;  // m, above where it is on the level's floor.
+  std::size_t level = 0;  // The one whose floor is nearest below.
+  double tilt = 0.0;      // rad, of the LiDAR's z axis from the vertical.
+  double height = 0.0;    // m, above where it is on the level's floor.
 };
 
-LidarState lidarStateAt(const TruthConfig& config, const common::Pose3& T_world_lidar, double lidar_height);
+/// `floors`: heights (m) of the levels; at least one. `lidar_height`: m, over a floor.
+LidarState lidarStateAt(const TruthConfig& config, const common::Pose3& T_world_lidar,
+                        std::span<const double> floors, double lidar_height);
 
 /// Collects what is true during a mission and writes it: body.tum, camera.tum, lidar.tum, states.csv,
-/// map_0.pgm and .yaml, objects.csv.
+/// objects.csv, and for every level that was seen in H map_K.pgm and .yaml. Level 0 is the floor the robot
+/// starts on, 1 the platform.
 class TruthRecorder {
  public:
   /// World and tracer must outlive this. lidar_height: of the LiDAR over a level floor, m.
@@ -43,17 +49,23 @@ class TruthRecorder {
   /// Throws common::Error.
   void write(const std::filesystem::path& folder) const;
 
-  const TruthMap& map() const { return map_; }
+  /// Of level 0.
+  const TruthMap& map() const { return levels_.front().map; }
 
  private:
-  void seeMap(const common::Pose3& T_world_lidar);
+  struct Level {
+    TruthMap map;
+    int scans = 0;  // In H.
+  };
+
+  void seeMap(TruthMap& map, const Eigen::Vector3d& p_world_lidar, double yaw) const;
 
   const TruthConfig config_;
   const World& world_;
   const RayTracer& tracer_;
   const double lidar_height_;
-  TruthMap map_;
-  int scans_ = 0;
+  std::vector<double> floors_;  // m, of the levels.
+  std::vector<Level> levels_;
   common::Trajectory body_;
   common::Trajectory camera_;
   common::Trajectory lidar_;

@@ -50,20 +50,23 @@ Eigen::Matrix<double, 6, 6> JointPath::covariance() const {
 void JointPath::addScale(Utime utime, double log_scale) { scale_ = Scale{utime, log_scale}; }
 
 void JointPath::begin(const Track& last, const JointStart& start) {
-  JointState state;
-  JointVector sigmas;
   if (active()) {
-    state = estimate_->state;
-    sigmas = estimate_->covariance.diagonal().cwiseSqrt();
+    JointVector sigmas = estimate_->covariance.diagonal().cwiseSqrt();
     sigmas(6) = std::max(sigmas(6), kCorrectedScale);
-  } else {
-    state.log_scale = std::log(start.scale);
-    const double tilt = start.attitude_known ? kStartRotation : kUnknownTilt;
-    sigmas << Eigen::Vector3d::Constant(std::hypot(kStartPosition, start.drift)), tilt, tilt, kStartRotation,
-        std::max(start.scale_sigma, kLeastScaleSigma), kStartClock;
+    begin(last, sigmas);
+    return;
   }
-  state.T_world_camera = last.T_world_camera;
-  window_.restart(state, sigmas);
+  const double tilt = start.attitude_known ? kStartRotation : kUnknownTilt;
+  JointVector sigmas;
+  sigmas << Eigen::Vector3d::Constant(std::hypot(kStartPosition, start.drift)), tilt, tilt, kStartRotation,
+      std::max(start.scale_sigma, kLeastScaleSigma), kStartClock;
+  estimate_.emplace().state.log_scale = std::log(start.scale);
+  begin(last, sigmas);
+}
+
+void JointPath::begin(const Track& last, const JointVector& sigmas) {
+  estimate_->state.T_world_camera = last.T_world_camera;
+  window_.restart(estimate_->state, sigmas);
   estimate_ = window_.solve();
   utime_ = last.utime;
   map_id_ = last.map_id;
@@ -71,53 +74,61 @@ void JointPath::begin(const Track& last, const JointStart& start) {
   floor_way_ = 0.0;
 }
 
-void JointPath::follow(RecentPath& path, const JointStart& start, ControlState state) {
+void JointPath::changeLevel(const RecentPath& path, const Eigen::Vector4d& sigmas) {
+  JointVector all = estimate_->covariance.diagonal().cwiseSqrt();
+  all.head<3>() = sigmas.head<3>();
+  all(5) = sigmas(3);
+  begin(path.last(), all);
+}
+
+void JointPath::follow(RecentPath& path, const JointStart& start, const PlaneState& plane) {
   const Track& last = path.last();
   if (active() && last.map_id != map_id_) {
     stop();
   }
   if (!active() || last.map_revision != map_revision_) {
     begin(last, start);
-  } else if (last.utime - utime_ >= (state == ControlState::kH ? kSilence : kPeriod)) {
-    add(path, last.utime, std::nullopt, state);
+  } else if (last.utime - utime_ >= (plane.state() == ControlState::kH ? kSilence : kPeriod)) {
+    add(path, last.utime, std::nullopt, plane);
   }
 }
 
-bool JointPath::addLidar(RecentPath& path, Utime utime, const LidarFix& lidar, ControlState state,
+bool JointPath::addLidar(RecentPath& path, Utime utime, const LidarFix& lidar, const PlaneState& plane,
                          bool at_once) {
   const bool used = utime - utime_ >= (at_once ? 1 : kPeriod);
   if (used) {
-    add(path, utime, lidar, state);
+    add(path, utime, lidar, plane);
   }
   return used;
 }
 
-bool JointPath::standsOnFloor(const Pose3& T_world_camera, double way, ControlState state) {
+bool JointPath::standsOnFloor(const Pose3& T_world_camera, double way, const PlaneState& plane) {
   const Pose3 T_world_body = T_world_camera * T_camera_body_;
   const Eigen::Vector3d up = T_world_body.linear().col(2);
   const JointMatrix& P = estimate_->covariance;
   // A turn about x moves the body's up along -y, one about y along x.
-  const bool may =
-      state == ControlState::kH &&
-      std::abs(T_world_body.translation().z()) <= kGate * std::hypot(kFloorHeight, std::sqrt(P(2, 2))) &&
-      std::abs(up.y()) <= kGate * std::hypot(kFloorTilt, std::sqrt(P(3, 3))) &&
-      std::abs(up.x()) <= kGate * std::hypot(kFloorTilt, std::sqrt(P(4, 4)));
+  const bool may = plane.state() == ControlState::kH &&
+                   std::abs(T_world_body.translation().z() - plane.level().floor) <=
+                       kGate * std::hypot(kFloorHeight, std::sqrt(P(2, 2))) &&
+                   std::abs(up.y()) <= kGate * std::hypot(kFloorTilt, std::sqrt(P(3, 3))) &&
+                   std::abs(up.x()) <= kGate * std::hypot(kFloorTilt, std::sqrt(P(4, 4)));
   floor_way_ = may ? floor_way_ + way : 0.0;
   return floor_way_ >= kFloorWay;
 }
 
-void JointPath::add(RecentPath& path, Utime utime, const std::optional<LidarFix>& lidar, ControlState state) {
+void JointPath::add(RecentPath& path, Utime utime, const std::optional<LidarFix>& lidar,
+                    const PlaneState& plane) {
   const auto before = path.at(utime_);
   const auto now = path.at(utime);
   if (!before || !now) {
-    begin(path.last(), {});
+    begin(path.last(), JointStart{});
     return;
   }
   const Pose3 T_before_now = before->inverse() * *now;
   JointMeasurements measured;
   measured.lidar = lidar;
-  if (standsOnFloor(*now, T_before_now.translation().norm(), state)) {
-    measured.floor = 0.0;
+  if (standsOnFloor(*now, T_before_now.translation().norm(), plane)) {
+    measured.floor = plane.level().floor;
   }
   if (scale_ && utime - scale_->utime <= kSilence) {
     measured.log_scale = scale_->log_scale;

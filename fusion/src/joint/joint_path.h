@@ -27,10 +27,12 @@ class JointPath {
   void stop() { estimate_.reset(); }
   /// After the track's last picture: begins, begins anew where the monocular map was corrected, and goes on
   /// where no scan comes.
-  void follow(RecentPath& path, const JointStart& start, ControlState state);
+  void follow(RecentPath& path, const JointStart& start, const PlaneState& plane);
+  /// The pose counts from another level: how sure it is there, deviations of x, y, z (m) and heading (rad).
+  void changeLevel(const RecentPath& path, const Eigen::Vector4d& sigmas);
   /// A scan that grid SLAM matched. False: it was not used, as most lie too near the last state. `at_once`:
   /// any that is newer will do.
-  bool addLidar(RecentPath& path, common::Utime utime, const LidarFix& lidar, ControlState state,
+  bool addLidar(RecentPath& path, common::Utime utime, const LidarFix& lidar, const PlaneState& plane,
                 bool at_once);
   /// The scale (logarithm) that the LiDAR's ranges at map points show at a picture.
   void addScale(common::Utime utime, double log_scale);
@@ -41,9 +43,12 @@ class JointPath {
 
  private:
   void begin(const Track& last, const JointStart& start);
+  /// The same with what the window knows and pose by the path.
+  void begin(const Track& last, const JointVector& sigmas);
   /// A state at `utime` by the path so far; then the path goes through the window's estimate.
-  void add(RecentPath& path, common::Utime utime, const std::optional<LidarFix>& lidar, ControlState state);
-  bool standsOnFloor(const common::Pose3& T_world_camera, double way, ControlState state);
+  void add(RecentPath& path, common::Utime utime, const std::optional<LidarFix>& lidar,
+           const PlaneState& plane);
+  bool standsOnFloor(const common::Pose3& T_world_camera, double way, const PlaneState& plane);
 
   const common::Pose3 T_camera_body_;
   JointWindow window_;
