@@ -190,6 +190,15 @@ ScanResult GridSlam::addScan(const ScanInput& input) {
   if (input.mode == ScanMode::kIgnore) {
     s.tracking.T_world_lidar = input.prior ? T_world_predicted : s.tracking.T_world_lidar;
     s.loseTrack();
+  } else if (input.mode == ScanMode::kWriteOnly) {
+    s.followPrior(T_world_predicted, twist);
+    if (input.prior && usable && !input.attitude_extrapolated) {
+      s.map.recentre(T_world_predicted.translation());
+      s.map.write(T_world_predicted, s.scan.rays);
+      s.tracking.T_world_written = T_world_predicted;
+      result.written = true;
+    }
+    result.status = MatchStatus::kUncertain;
   } else if (!usable) {
     s.tracking.T_world_lidar = T_world_predicted;
   } else if (s.map.empty()) {

@@ -82,6 +82,13 @@ struct GridSlam::State {
     tracking.twist = {};
     tracking.stands = false;
   }
+  void followPrior(const common::Pose2& T_world_lidar, const Eigen::Vector3d& twist) {
+    tracking.T_world_lidar = T_world_lidar;
+    tracking.twist = {twist.x(), twist.y(), twist.z()};
+    tracking.expected_score = 1.0;
+    tracking.lost = false;
+    tracking.stands = false;
+  }
   void moveTo(const common::Pose2& T_world_lidar, double dt, const Eigen::Matrix3d& H);
   /// While the map is of a few scans only, a low score says little and every scan is wanted.
   bool young() const { return map.revision() < kYoungMap; }

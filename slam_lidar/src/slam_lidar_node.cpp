@@ -41,6 +41,8 @@ using rubble::lidar_pose_t;
 /// Search window (m, rad) around the last pose after a restart: the robot may have moved on meanwhile.
 constexpr double kRestoreDistance = 3.0;
 constexpr double kRestoreAngle = 3.15;
+/// So long a new level's grid is written by the fused motion, which is truer than a match with a few scans.
+constexpr Utime kBeginning = common::kMicrosecondsPerSecond;
 /// Scans that wait for their attitude at the same time; more mean that time stands still.
 constexpr std::size_t kMostWaiting = 100;
 
@@ -234,7 +236,7 @@ class SlamLidarNode : public Node {
     return scan.utime + common::utimeFromSeconds(config_.grid.scan.sweep_duration);
   }
 
-  ScanMode scanMode() const {
+  ScanMode scanMode(Utime utime) const {
     if (!control_) {
       return ScanMode::kMatchAndWrite;
     }
@@ -247,6 +249,9 @@ class SlamLidarNode : public Node {
       case lidar_control_t::STATE_R:
         return ScanMode::kMatchOnly;
       default:
+        if (utime < written_until_ && !controlSilent()) {
+          return ScanMode::kWriteOnly;
+        }
         return controlSilent() ? ScanMode::kMatchOnly : ScanMode::kMatchAndWrite;
     }
   }
@@ -276,17 +281,21 @@ class SlamLidarNode : public Node {
   }
 
   /// The grid of a level that LIDAR_CONTROL has named and nobody has seen.
-  void beginLevel(Utime utime) {
-    if (control_ && !grids_.knows(control_->level) && control_->state != lidar_control_t::STATE_M) {
-      if (const auto T_world_lidar = context_.fusedPose(utime)) {
-        grids_.begin(control_->level, *T_world_lidar);
-      }
+  bool beginLevel(Utime utime) {
+    if (!control_ || grids_.knows(control_->level) || control_->state == lidar_control_t::STATE_M) {
+      return false;
     }
+    const auto T_world_lidar = context_.fusedPose(utime);
+    if (T_world_lidar) {
+      grids_.begin(control_->level, *T_world_lidar);
+      written_until_ = utime + kBeginning;
+    }
+    return T_world_lidar.has_value();
   }
 
   void match(const bot_core::planar_lidar_t& message) {
     const lcm_io::StageTimer total(times_, "total");
-    beginLevel(message.utime);
+    const bool begins = beginLevel(message.utime);
     const ScanContext::Tilt first = context_.tiltAt(message.utime);
     const ScanContext::Tilt last = context_.tiltAt(endOfSweep(message));
     ScanInput input;
@@ -295,10 +304,13 @@ class SlamLidarNode : public Node {
     input.attitude_first = first.attitude;
     input.attitude_last = last.attitude;
     input.attitude_extrapolated = first.extrapolated || last.extrapolated;
-    input.mode = scanMode();
-    input.prior = context_.takePrior(message.utime, input.mode == ScanMode::kIgnore
-                                                        ? ScanContext::PriorSource::kFusedPose
-                                                        : ScanContext::PriorSource::kOdometry);
+    input.mode = scanMode(message.utime);
+    const bool unmatched = input.mode == ScanMode::kIgnore || input.mode == ScanMode::kWriteOnly;
+    input.prior = context_.takePrior(message.utime, unmatched ? ScanContext::PriorSource::kFusedPose
+                                                              : ScanContext::PriorSource::kOdometry);
+    if (begins) {
+      input.prior.reset();  // It begins at this very scan.
+    }
     input.hold_write = control_.has_value();
 
     ScanResult result;
@@ -369,6 +381,7 @@ class SlamLidarNode : public Node {
 
   std::optional<lidar_control_t> control_;
   Utime control_received_ = 0;
+  Utime written_until_ = 0;
 
   Counters counters_;
   std::int8_t last_status_ = lidar_pose_t::STATUS_LOST;

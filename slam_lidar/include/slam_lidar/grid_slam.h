@@ -35,11 +35,12 @@ struct MotionPrior {
   common::Pose2 T_previous_now;
 };
 
-/// What a scan may do: fusion's states H, R and M.
+/// What a scan may do: fusion's states H, R and M; and H where a new level begins.
 enum class ScanMode : std::uint8_t {
   kMatchAndWrite,  ///< H: the LiDAR plane is usable
   kMatchOnly,      ///< R: coming back, nothing is written
   kIgnore,         ///< M: neither; the pose follows the prior alone, or stays
+  kWriteOnly,      ///< the map begins under a moving robot: the pose follows the prior alone
 };
 
 struct ScanInput {
