@@ -56,7 +56,7 @@ Recorder::Recorder(lcm_io::Bus& bus)
   bus.subscribe<rubble::lidar_pose_t>(lcm_io::channel::kLidarPose,
                                       [this](const auto& pose) { addPose(pose); });
   bus.subscribe<rubble::grid_map_t>(lcm_io::channel::kGridMap,
-                                    [this](const auto& map) { levels_[map.level].add(map); });
+                                    [this](const auto& map) { levels_[map.level].grid.add(map); });
   bus.subscribe<rubble::mono_pose_t>(lcm_io::channel::kMonoPose, [this](const auto& pose) { addPose(pose); });
   bus.subscribe<rubble::robot_pose_t>(lcm_io::channel::kRobotPose,
                                       [this](const auto& pose) { addPose(pose); });
@@ -73,6 +73,7 @@ void Recorder::addPose(const rubble::lidar_pose_t& pose) {
                             pose.score, pose.map_revision, std::sqrt(pose.covariance[0]),
                             std::sqrt(pose.covariance[4]), std::sqrt(pose.covariance[8]));
   lidar_.push_back({pose.utime, common::pose3FromPose2({pose.x, pose.y, pose.yaw})});
+  levels_[pose.level].T_world_lidar.push_back(lidar_.back());
 }
 
 void Recorder::addPose(const rubble::mono_pose_t& pose) {
@@ -158,12 +159,12 @@ void Recorder::write(const std::filesystem::path& dir) const {
   common::writeFileAtomically(dir / "poses.csv", poses_csv_);
   common::writeFileAtomically(dir / "covariance.csv", covariance_csv_);
   writeObjects(dir / "objects.csv");
-  for (const auto& [level, grid] : levels_) {
-    if (!grid.empty()) {
+  for (const auto& [id, level] : levels_) {
+    if (!level.grid.empty()) {
       std::vector<rubble::object_t> here;
       std::copy_if(objects_.objects.begin(), objects_.objects.end(), std::back_inserter(here),
-                   [level = level](const rubble::object_t& object) { return object.level == level; });
-      grid.write(dir / fmt::format("map_{}", level), lidar_, fused_, here);
+                   [id = id](const rubble::object_t& object) { return object.level == id; });
+      level.grid.write(dir / fmt::format("map_{}", id), level.T_world_lidar, fused_, here);
     }
   }
 }

@@ -40,7 +40,11 @@ class Recorder {
   common::Trajectory fused_;  // T_world_body
   std::int64_t mono_pictures_ = 0;
   MonoPath mono_path_;
-  std::map<std::int32_t, GridAssembly> levels_;
+  struct Level {
+    GridAssembly grid;
+    common::Trajectory T_world_lidar;
+  };
+  std::map<std::int32_t, Level> levels_;
   rubble::objects_t objects_;  // As last told.
   std::string poses_csv_;
   std::string covariance_csv_;

@@ -233,12 +233,13 @@ void ObjectMarks::see(Mark& mark, const PicturePlace& place, const Bearing& seen
     mark.flatness = {};
   }
   // At a ramp's foot a level scan ends on the slope, and tells a label far behind it no true range. What is
-  // known no better than the pose has drifted since may still learn from the way up. A solid thing learns
-  // little from it (its bearings are unsure), but is confirmed by the number of places.
+  // known no better than the pose has drifted since may still learn from the way up, and from another level.
+  // A solid thing learns little from it (its bearings are unsure), but is confirmed by the number of places.
   const bool learns = !mark.label.isSolid() && place.sigma < largestSigma(mark.position.covariance);
-  if (place.on_level || !mark.on_level || learns) {
+  const bool at_home = !mark.on_level || (place.on_level && place.level == mark.level);
+  if (at_home || learns) {
+    mark.level = mark.on_level ? mark.level : place.level;
     mark.on_level |= place.on_level;
-    mark.level = place.level;
     mark.keyframe_id = place.keyframe_id;
     keepView(mark.kept_views, seen.view);
     mark.position = triangulate(mark.kept_views);
