@@ -337,6 +337,10 @@ TEST(MapTest, MapServerFiles) {
   ASSERT_EQ(cells.size(), 1U);
   EXPECT_NEAR(cells[0].x(), 1.25, 1e-12);
   EXPECT_NEAR(cells[0].y(), 2.15, 1e-12);
+  const Eigen::AlignedBox2d around(Eigen::Vector2d(1.2, 2.1), Eigen::Vector2d(1.3, 2.2));
+  EXPECT_EQ(readOccupiedCells(dir.path() / "map.yaml", around).size(), 1U);
+  EXPECT_TRUE(
+      readOccupiedCells(dir.path() / "map.yaml", around.translated(Eigen::Vector2d(0.1, 0.0))).empty());
   cells = readOccupiedCells(dir.write("map.yaml", yaml + "origin: [1.0, 2.0, 1.5707963267948966]\n"));
   EXPECT_NEAR(cells[0].x(), 0.85, 1e-12);
   EXPECT_NEAR(cells[0].y(), 2.25, 1e-12);

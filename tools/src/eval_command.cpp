@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "command.h"
 #include "common/error.h"
@@ -31,6 +32,7 @@ struct EvalOptions {
   double max_difference = 0.005;
   double tolerance = 0.05;
   double settled = 15.0;
+  std::vector<double> box;  // x, y, x, y; empty: all of the map
 };
 
 void addStatistics(Json& report, const std::string& name, const std::string& unit,
@@ -75,8 +77,20 @@ void evalRelations(const EvalOptions& options) {
 }
 
 void evalMap(const EvalOptions& options) {
-  const auto map = readOccupiedCells(options.estimate);
-  const auto truth = readOccupiedCells(options.truth);
+  const auto cellsOf = [&](const std::string& file) {
+    if (options.box.empty()) {
+      return readOccupiedCells(file);
+    }
+    Eigen::AlignedBox2d box(Eigen::Vector2d(options.box[0], options.box[1]));
+    box.extend(Eigen::Vector2d(options.box[2], options.box[3]));
+    auto cells = readOccupiedCells(file, box);
+    if (cells.empty()) {
+      throw common::Error(file + ": no cell in the box is occupied");
+    }
+    return cells;
+  };
+  const auto map = cellsOf(options.estimate);
+  const auto truth = cellsOf(options.truth);
   const MapResult result = evaluateMap(map, truth, options.tolerance);
   Json report;
   report["precision"] = result.precision;
@@ -167,6 +181,9 @@ void addMap(CLI::App& parent) {
   app->add_option("--tolerance", options->tolerance, "Metres between cell centres that count as near")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app->add_option("--box", options->box, "Compare only what lies between these corners, m")
+      ->expected(4)
+      ->option_text("X Y X Y");
   app->footer(
       "MAP and TRUTH are YAML files as of ROS map_server; both lie where their origin says.\n"
       "Keys: precision (occupied cells near a true one), recall (true ones near an occupied cell),\n"

@@ -2,15 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <utility>
 
 #include "common/error.h"
 #include "common/files.h"
 #include "common/robot_config.h"
+#include "csv_table.h"
 #include "eval_ate.h"
 #include "eval_crossings.h"
 #include "eval_map.h"
@@ -75,7 +78,7 @@ void runMethod(const Method& method, const std::vector<lcm_io::RawMessage>& miss
   }
   config.addOverride(fmt::format("fusion.mode={}", method.mode));
   if (*method.less != '\0') {
-    config.addOverride(fmt::format("fusion.joint.{}=false", method.less));
+    config.addOverride(fmt::format("fusion.{}=false", method.less));
   }
   Processes processes(names, config);
   Recorder recorder(processes.endpoint());
@@ -138,6 +141,25 @@ SeedScores runSeed(const ExperimentOptions& options, std::uint64_t seed) {
   return result;
 }
 
+/// Where the robot was on level 1, as far as a planar map can show it, and a metre around; empty: nowhere.
+Eigen::AlignedBox2d platformOf(const fs::path& truth) {
+  std::set<std::string> usable;
+  forEachRow(readTextFile(truth / "states.csv"), {"utime", "state", "level"},
+             [&](const std::vector<std::string>& row) {
+               if (row[1] == "H" && row[2] == "1") {
+                 usable.insert(row[0]);
+               }
+             });
+  Eigen::AlignedBox2d box;
+  for (const common::StampedPose& pose : common::readTum(truth / "lidar.tum")) {
+    if (usable.contains(std::to_string(pose.utime))) {
+      box.extend(pose.T_a_b.translation().head<2>());
+    }
+  }
+  constexpr double kAround = 1.0;
+  return box.isEmpty() ? box : Eigen::AlignedBox2d(box.min().array() - kAround, box.max().array() + kAround);
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> parseSeeds(const std::string& text) {
@@ -197,6 +219,16 @@ Score scoreResults(const fs::path& results, const fs::path& mission, bool planar
         evaluateMap(map, readOccupiedCells(mission / "truth" / "map_0.yaml"), kMapTolerance);
     score.map_precision = compared.precision;
     score.map_recall = compared.recall;
+  }
+  const Eigen::AlignedBox2d platform = platformOf(mission / "truth");
+  if (!platform.isEmpty() && fs::exists(results / "map_1.yaml")) {
+    const auto there = readOccupiedCells(results / "map_1.yaml", platform);
+    const auto truth = readOccupiedCells(mission / "truth" / "map_1.yaml", platform);
+    if (!there.empty() && !truth.empty()) {
+      const MapResult compared = evaluateMap(there, truth, kMapTolerance);
+      score.platform_precision = compared.precision;
+      score.platform_recall = compared.recall;
+    }
   }
   return score;
 }

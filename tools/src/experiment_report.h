@@ -17,7 +17,7 @@ struct Method {
   const char* title;  // in the report
   bool with_fusion;
   const char* mode;       // fusion.mode
-  const char* less = "";  // factor of fusion.joint that is switched off
+  const char* less = "";  // of section fusion, what is switched off
 };
 
 inline constexpr std::array kMethods = {
@@ -25,10 +25,11 @@ inline constexpr std::array kMethods = {
     Method{"lsm", "lsm", true, "lsm"},
     Method{"lsm-robust", "lsm-robust", true, "lsm-robust"},
     Method{"joint", "joint", true, "joint"},
-    Method{"joint-less-ranges", "joint less ranges", true, "joint", "ranges"},
-    Method{"joint-less-floor", "joint less floor", true, "joint", "floor"},
-    Method{"joint-less-lidar", "joint less LIDAR_POSE", true, "joint", "lidar"},
-    Method{"joint-less-clock", "joint less clock", true, "joint", "clock"}};
+    Method{"joint-less-ranges", "joint less ranges", true, "joint", "joint.ranges"},
+    Method{"joint-less-floor", "joint less floor", true, "joint", "joint.floor"},
+    Method{"joint-less-lidar", "joint less LIDAR_POSE", true, "joint", "joint.lidar"},
+    Method{"joint-less-clock", "joint less clock", true, "joint", "joint.clock"},
+    Method{"joint-less-levels", "joint less levels", true, "joint", "plane.levels"}};
 /// Of these, the one that the robot runs.
 inline constexpr std::size_t kJoint = 3;
 
@@ -40,6 +41,9 @@ struct Score {
   double coverage = 0.0;  // share of the pictures with a pose
   double map_precision = 0.0;
   double map_recall = 0.0;
+  /// Of level 1, a metre around where the robot drove there; infinite where there is none.
+  double platform_precision = -std::numeric_limits<double>::infinity();
+  double platform_recall = -std::numeric_limits<double>::infinity();
   /// Of the worst way that vision carried alone (half a metre or more); infinite where there was none.
   double worst_drift = std::numeric_limits<double>::infinity();        // share of the way
   double worst_scale_error = std::numeric_limits<double>::infinity();  // share

@@ -75,4 +75,11 @@ std::vector<Eigen::Vector2d> readOccupiedCells(const std::filesystem::path& yaml
   return cells;
 }
 
+std::vector<Eigen::Vector2d> readOccupiedCells(const std::filesystem::path& yaml,
+                                               const Eigen::AlignedBox2d& box) {
+  std::vector<Eigen::Vector2d> cells = readOccupiedCells(yaml);
+  std::erase_if(cells, [&](const Eigen::Vector2d& p) { return !box.contains(p); });
+  return cells;
+}
+
 }  // namespace rubble::tools

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -14,5 +14,8 @@ inline constexpr std::int64_t kMostMapPixels = 400'000'000;
 /// image (PGM, PNG or JPEG, relative to the YAML), resolution, origin [x, y, yaw] of the lower left
 /// pixel, negate, occupied_thresh. Throws Error naming the file and what is wrong with it.
 std::vector<Eigen::Vector2d> readOccupiedCells(const std::filesystem::path& yaml);
+/// Those in a box only.
+std::vector<Eigen::Vector2d> readOccupiedCells(const std::filesystem::path& yaml,
+                                               const Eigen::AlignedBox2d& box);
 
 }  // namespace rubble::tools
