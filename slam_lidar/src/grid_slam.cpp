@@ -40,8 +40,8 @@ void GridSlam::State::checkInput(const ScanInput& input) const {
       input.scan.angle_step == 0.0) {
     throw common::Error("scan: first angle or angle step is no number, or the step is zero");
   }
-  if (!finite(input.attitude_first) || !finite(input.attitude_last)) {
-    throw common::Error("scan: the attitude is not finite");
+  if (!finite(input.attitude_first) || !finite(input.attitude_last) || !std::isfinite(input.height)) {
+    throw common::Error("scan: attitude or height is not finite");
   }
   if (input.prior && (!finite(input.prior->T_previous_now) ||
                       input.prior->T_previous_now.translation().norm() > kMaxPriorDistance)) {
@@ -183,7 +183,7 @@ ScanResult GridSlam::addScan(const ScanInput& input) {
   result.covariance = Eigen::Matrix3d::Identity();
 
   const Eigen::Vector3d twist = s.sweepTwist(input.prior, dt);
-  s.projector.project(input.scan, input.attitude_first, input.attitude_last, twist, s.scan);
+  s.projector.project(input.scan, input.attitude_first, input.attitude_last, input.height, twist, s.scan);
   result.beams_used = static_cast<int>(s.scan.points.size());
   const bool usable = result.beams_used >= s.config.scan.min_beams;
 

@@ -26,7 +26,9 @@ void visit(common::ConfigSection& section, GridSlamConfig& config) {
   scan.number("height_margin", config.scan.height_margin, "m", 0.0, 1.0,
               "beams ending this close to floor or ceiling are dropped");
   scan.number("slice", config.scan.slice, "m", 0.0, 10.0,
-              "beams ending farther above or below the LiDAR are matched, not written: a map is one slice");
+              "beams ending farther above or below the LiDAR's height on the level's floor are matched, not "
+              "written: a "
+              "map is one slice");
   scan.integer("min_beams", config.scan.min_beams, "", 3, 10000,
                "a scan with fewer usable beams is not matched");
 

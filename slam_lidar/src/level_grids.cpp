@@ -1,5 +1,6 @@
 #include "level_grids.h"
 
+#include <cmath>
 #include <utility>
 
 #include "common/byte_stream.h"
@@ -17,7 +18,7 @@ constexpr double kEnterAngle = 0.3;
 }  // namespace
 
 LevelGrids::LevelGrids(const GridSlamConfig& config, const common::Pose2& T_world_lidar) : config_(config) {
-  levels_.emplace(0, Level{GridSlam(config, T_world_lidar), {}, {}});
+  levels_.emplace(0, Level{GridSlam(config, T_world_lidar)});
 }
 
 void LevelGrids::leave() {
@@ -36,11 +37,11 @@ void LevelGrids::enter(std::int32_t level) {
   present().relocalise(pose, kEnterDistance, kEnterAngle);
 }
 
-void LevelGrids::begin(std::int32_t level, const common::Pose2& T_world_lidar) {
+void LevelGrids::begin(std::int32_t level, const common::Pose2& T_world_lidar, double floor) {
   RUBBLE_CHECK(!knows(level) && level < kMostLevels);
   leave();
   level_ = level;
-  levels_.emplace(level, Level{GridSlam(config_, T_world_lidar), {}, {}});
+  levels_.emplace(level, Level{GridSlam(config_, T_world_lidar), floor});
 }
 
 std::vector<rubble::grid_map_t> LevelGrids::nextMaps(common::Utime utime) {
@@ -74,6 +75,7 @@ std::vector<std::uint8_t> LevelGrids::serialise() const {
   for (const auto& [id, level] : levels_) {
     const std::vector<std::uint8_t> grid = id == level_ ? level.grid.serialise() : level.left;
     out.put(id);
+    out.put(level.floor);
     out.put(static_cast<std::uint64_t>(grid.size()));
     out.putAll(std::span(grid));
   }
@@ -85,14 +87,21 @@ LevelGrids LevelGrids::restore(const GridSlamConfig& config, std::span<const std
   in.openSealed(kMagic, "a state");
   LevelGrids grids(config);
   grids.level_ = in.get<std::int32_t>();
-  for (std::size_t i = in.getCount(sizeof(std::int32_t) + sizeof(std::uint64_t)); i > 0; --i) {
+  for (std::size_t i = in.getCount(sizeof(std::int32_t) + sizeof(double) + sizeof(std::uint64_t)); i > 0;
+       --i) {
     const auto id = in.get<std::int32_t>();
     if (id < 0 || id >= kMostLevels || grids.knows(id)) {
       in.fail("an impossible level");
     }
+    const auto floor = in.get<double>();
+    if (!std::isfinite(floor)) {
+      in.fail("a floor that is not finite");
+    }
     std::vector<std::uint8_t> grid(in.getCount(1));
     in.getAll(std::span(grid));
-    grids.levels_.emplace(id, Level{GridSlam::restore(config, grid), {}, grid});
+    Level level{GridSlam::restore(config, grid), floor};
+    level.left = std::move(grid);
+    grids.levels_.emplace(id, std::move(level));
   }
   if (!grids.knows(grids.level_)) {
     in.fail("without the level that the LiDAR is on");

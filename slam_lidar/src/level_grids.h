@@ -24,12 +24,14 @@ class LevelGrids {
   std::int32_t level() const { return level_; }
   GridSlam& present() { return at(level_).grid; }
   const GridSlam& present() const { return levels_.at(level_).grid; }
+  /// m, over level 0's.
+  double floor() const { return levels_.at(level_).floor; }
   bool knows(std::int32_t level) const { return levels_.contains(level); }
 
   /// Goes on in the grid of a level that is known, at the pose of the present one.
   void enter(std::int32_t level);
-  /// The same in a new grid, which the next scan begins at `T_world_lidar`.
-  void begin(std::int32_t level, const common::Pose2& T_world_lidar);
+  /// The same in a new grid, which the next scan begins at `T_world_lidar`, on a floor at this height (m).
+  void begin(std::int32_t level, const common::Pose2& T_world_lidar, double floor);
 
   /// The next message of the present level, and of one of the others, in turn, for late joiners.
   std::vector<rubble::grid_map_t> nextMaps(common::Utime utime);
@@ -44,8 +46,9 @@ class LevelGrids {
  private:
   struct Level {
     GridSlam grid;
-    MapPublisher publisher;
-    std::vector<std::uint8_t> left;  ///< the grid as it was when the LiDAR left it
+    double floor = 0.0;
+    MapPublisher publisher{};
+    std::vector<std::uint8_t> left{};  ///< the grid as it was when the LiDAR left it
   };
 
   explicit LevelGrids(const GridSlamConfig& config) : config_(config) {}

@@ -59,6 +59,11 @@ ScanContext::Tilt ScanContext::tiltAt(Utime utime) const {
   return tilt;
 }
 
+double ScanContext::heightAt(Utime utime) const {
+  const auto body = body_.at(utime);
+  return body ? (body->value * T_body_lidar(utime)).translation().z() - robot_.lidarHeight() : 0.0;
+}
+
 std::optional<common::Pose2> ScanContext::fusedPose(Utime utime) const {
   const auto body = body_.covers(utime) ? body_.at(utime) : std::nullopt;
   return body ? std::optional(planar(body->value * T_body_lidar(utime))) : std::nullopt;

@@ -23,8 +23,8 @@ class ScanContext {
 
   /// Plate angles (rad) as measured. Throws common::Error when not finite.
   void addPlate(common::Utime utime, double roll, double pitch);
-  /// T_world_body as fused: its tilt, and its motion while nothing is matched. Neither position nor heading
-  /// may leak into a match.
+  /// T_world_body as fused: its tilt, its height, and its motion while nothing is matched. Neither position
+  /// in the plane nor heading may leak into a match.
   void addBody(common::Utime utime, const common::Pose3& T_world_body);
   void addOdometry(common::Utime utime, const common::Pose3& T_odom_body);
 
@@ -38,6 +38,9 @@ class ScanContext {
   /// Where the LiDAR is by the fused pose: for a new level's grid, which has nothing yet to match with. Empty
   /// where the pose does not reach `utime`.
   std::optional<common::Pose2> fusedPose(common::Utime utime) const;
+
+  /// m, over where the LiDAR is at the start; nobody told: 0.
+  double heightAt(common::Utime utime) const;
 
   enum class PriorSource { kOdometry, kFusedPose };
   /// The LiDAR's motion in the level plane since the last call; empty when the source does not cover both

@@ -38,7 +38,7 @@ void ScanProjector::updateDirections(const LidarScan& scan) {
   }
 }
 
-void ScanProjector::project(const LidarScan& scan, const Attitude& first, const Attitude& last,
+void ScanProjector::project(const LidarScan& scan, const Attitude& first, const Attitude& last, double height,
                             const Eigen::Vector3d& twist, ProjectedScan& out) {
   updateDirections(scan);
   out.rays.clear();
@@ -56,7 +56,7 @@ void ScanProjector::project(const LidarScan& scan, const Attitude& first, const 
       continue;
     }
     Eigen::Vector2d p = range * directions_[i];
-    bool in_slice = true;
+    bool in_slice = std::abs(height) <= config_.slice;
     if (tilted) {
       const double t = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0.0;
       const Eigen::Vector3d p_level = range * levelled(directions_[i], std::lerp(first.roll, last.roll, t),
@@ -66,7 +66,7 @@ void ScanProjector::project(const LidarScan& scan, const Attitude& first, const 
         continue;
       }
       p = p_level.head<2>();
-      in_slice = std::abs(p_level.z()) <= config_.slice;
+      in_slice = std::abs(p_level.z() + height) <= config_.slice;
     }
     if (moving) {
       p = T_first_beam * p;

@@ -25,8 +25,9 @@ class ScanProjector {
  public:
   explicit ScanProjector(const GridSlamConfig::Scan& config) : config_(config) {}
 
-  /// `twist`: the LiDAR's velocity (m/s, m/s, rad/s) in its own level frame, constant over the sweep.
-  void project(const LidarScan& scan, const Attitude& first, const Attitude& last,
+  /// `height`: m, of the LiDAR over the middle of the map's slice. `twist`: its velocity (m/s, m/s, rad/s) in
+  /// its own level frame, constant over the sweep.
+  void project(const LidarScan& scan, const Attitude& first, const Attitude& last, double height,
                const Eigen::Vector3d& twist, ProjectedScan& out);
 
  private:

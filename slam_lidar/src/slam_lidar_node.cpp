@@ -287,7 +287,7 @@ class SlamLidarNode : public Node {
     }
     const auto T_world_lidar = context_.fusedPose(utime);
     if (T_world_lidar) {
-      grids_.begin(control_->level, *T_world_lidar);
+      grids_.begin(control_->level, *T_world_lidar, context_.heightAt(utime));
       written_until_ = utime + kBeginning;
     }
     return T_world_lidar.has_value();
@@ -303,6 +303,7 @@ class SlamLidarNode : public Node {
                   std::span(message.ranges)};
     input.attitude_first = first.attitude;
     input.attitude_last = last.attitude;
+    input.height = context_.heightAt(message.utime) - grids_.floor();
     input.attitude_extrapolated = first.extrapolated || last.extrapolated;
     input.mode = scanMode(message.utime);
     const bool unmatched = input.mode == ScanMode::kIgnore || input.mode == ScanMode::kWriteOnly;

@@ -19,7 +19,7 @@ class CorrelativeSearchTest : public testing::Test {
   }
   void project(const common::Pose2& T_world_lidar) {
     const auto ranges = room_.scan(T_world_lidar);
-    projector_.project(SyntheticRoom::input(0, ranges).scan, {}, {}, Eigen::Vector3d::Zero(), scan_);
+    projector_.project(SyntheticRoom::input(0, ranges).scan, {}, {}, 0.0, Eigen::Vector3d::Zero(), scan_);
   }
 
   GridSlamConfig config_;

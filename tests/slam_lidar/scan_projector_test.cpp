@@ -19,7 +19,7 @@ TEST(ScanProjector, TiltedPointsEqualTheRotationOfTheWholePoint) {
   ProjectedScan out;
   const Attitude first{0.1, -0.2};
   const Attitude last{-0.05, 0.15};
-  projector.project(halfCircle(), first, last, Eigen::Vector3d::Zero(), out);
+  projector.project(halfCircle(), first, last, 0.0, Eigen::Vector3d::Zero(), out);
   ASSERT_EQ(out.rays.size(), kRanges.size());
   for (std::size_t i = 0; i < out.rays.size(); ++i) {
     const double t = static_cast<double>(i) / 180.0;
@@ -41,12 +41,12 @@ TEST(ScanProjector, BeamsThatMeetFloorOrCeilingAreDropped) {
   ScanProjector projector(config);
   ProjectedScan out;
   // Positive pitch: the front goes down. 2 m ahead lies 0.4 m lower.
-  projector.project(halfCircle(), {0.0, 0.2}, {0.0, 0.2}, Eigen::Vector3d::Zero(), out);
+  projector.project(halfCircle(), {0.0, 0.2}, {0.0, 0.2}, 0.0, Eigen::Vector3d::Zero(), out);
   ASSERT_FALSE(out.rays.empty());
   for (const RayEnd& ray : out.rays) {
     EXPECT_LT(static_cast<double>(ray.x) * std::tan(0.2), 0.25 + 1e-6);
   }
-  projector.project(halfCircle(), {0.0, -0.2}, {0.0, -0.2}, Eigen::Vector3d::Zero(), out);
+  projector.project(halfCircle(), {0.0, -0.2}, {0.0, -0.2}, 0.0, Eigen::Vector3d::Zero(), out);
   for (const RayEnd& ray : out.rays) {
     EXPECT_LT(static_cast<double>(ray.x) * std::tan(0.2), 0.35 + 1e-6);
   }
@@ -58,13 +58,22 @@ TEST(ScanProjector, WhatEndsInAnotherSliceIsMatchedOnly) {
   ScanProjector projector(config);
   ProjectedScan out;
   // 2 m ahead lies 0.08 m lower, 2 m aside on the LiDAR's height.
-  projector.project(halfCircle(), {0.0, 0.04}, {0.0, 0.04}, Eigen::Vector3d::Zero(), out);
+  projector.project(halfCircle(), {0.0, 0.04}, {0.0, 0.04}, 0.0, Eigen::Vector3d::Zero(), out);
   EXPECT_EQ(out.points.size(), kRanges.size());
   ASSERT_FALSE(out.rays.empty());
   EXPECT_LT(out.rays.size(), kRanges.size());
   for (const RayEnd& ray : out.rays) {
     EXPECT_LE(static_cast<double>(ray.x) * std::tan(0.04), 0.05 + 1e-6);
   }
+  // 6 cm higher the slice is where the beams ahead end.
+  projector.project(halfCircle(), {0.0, 0.04}, {0.0, 0.04}, 0.06, Eigen::Vector3d::Zero(), out);
+  EXPECT_EQ(out.points.size(), kRanges.size());
+  ASSERT_FALSE(out.rays.empty());
+  for (const RayEnd& ray : out.rays) {
+    EXPECT_GE(static_cast<double>(ray.x) * std::tan(0.04), 0.01 - 1e-6);
+  }
+  projector.project(halfCircle(), {}, {}, 0.06, Eigen::Vector3d::Zero(), out);
+  EXPECT_TRUE(out.rays.empty());
 }
 
 TEST(ScanProjector, UndoesTheMotionDuringTheSweep) {
@@ -80,7 +89,7 @@ TEST(ScanProjector, UndoesTheMotionDuringTheSweep) {
   }
   ScanProjector projector(config);
   ProjectedScan out;
-  projector.project(SyntheticRoom::input(0, ranges).scan, {}, {}, Eigen::Vector3d(0, 0, rate), out);
+  projector.project(SyntheticRoom::input(0, ranges).scan, {}, {}, 0.0, Eigen::Vector3d(0, 0, rate), out);
   ASSERT_EQ(out.rays.size(), ranges.size());
   for (const RayEnd& ray : out.rays) {
     const double x = static_cast<double>(ray.x);
@@ -95,7 +104,7 @@ TEST(ScanProjector, IgnoresRangesThatAreNoHits) {
   const std::vector<float> ranges = {nan, inf, -inf, 0.0F, -1.0F, 81.9F, 1e30F, 2.0F};
   ScanProjector projector(GridSlamConfig::Scan{});
   ProjectedScan out;
-  projector.project({0, 0.0, 0.1, ranges}, {}, {}, Eigen::Vector3d::Zero(), out);
+  projector.project({0, 0.0, 0.1, ranges}, {}, {}, 0.0, Eigen::Vector3d::Zero(), out);
   EXPECT_EQ(out.points.size(), 1U);
 }
 

@@ -47,6 +47,7 @@ struct ScanInput {
   LidarScan scan;
   Attitude attitude_first;             ///< at the first beam
   Attitude attitude_last;              ///< at the last beam, linear in between
+  double height = 0.0;                 ///< m, of the LiDAR over where it is on the level's floor
   bool attitude_extrapolated = false;  ///< the attitude is a guess: covariance inflated, nothing written
   std::optional<MotionPrior> prior;
   ScanMode mode = ScanMode::kMatchAndWrite;

@@ -24,7 +24,7 @@ struct GridSlamConfig {
     double free_space_range = 15.0;
     double height_below_ceiling = 10.0;
     double height_margin = 0.1;
-    double slice = 0.05;
+    double slice = 0.08;
     int min_beams = 20;
     // Not in visit(): the robot's, from section `robot`.
     double sweep_duration = 0.0;      // s, first beam to one step after the last
