@@ -171,7 +171,9 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
     return T;
   }
   if (last != nullptr && last->tracking && last->map_id == mono.map_id) {
-    return T_predicted;  // The map was corrected under the pose: that does not move the robot.
+    // The map was corrected under the pose: that does not move the robot.
+    corrected_.begin(mono.map_id, last->utime, mono.utime);
+    return T_predicted;
   }
   // Vision is back, or in another map.
   if (!alignment.scale_known) {
@@ -184,11 +186,33 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
     anchored_ = false;
     return T_aligned;
   }
-  // In H world is the LiDAR's: height and tilt come from the map, the rest stays.
-  const double turn = planar(T_predicted * T_camera_body_).yaw - planar(T_aligned * T_camera_body_).yaw;
-  Pose3 T = motionAbout(T_aligned.translation(), {0.0, 0.0, turn}, Vector3d::Zero()) * T_aligned;
-  T.translation().head<2>() = T_predicted.translation().head<2>();
+  return planarAs(T_predicted, T_aligned);  // In H world is the LiDAR's.
+}
+
+Pose3 PoseFusion::planarAs(const Pose3& T_world_camera, const Pose3& T_seen) const {
+  const double turn = planar(T_world_camera * T_camera_body_).yaw - planar(T_seen * T_camera_body_).yaw;
+  Pose3 T = motionAbout(T_seen.translation(), {0.0, 0.0, turn}, Vector3d::Zero()) * T_seen;
+  T.translation().head<2>() = T_world_camera.translation().head<2>();
   return T;
+}
+
+void PoseFusion::mendMotion() {
+  const auto motion = corrected_.take();
+  const auto before = motion ? path_.at(motion->before) : std::nullopt;
+  const auto after = motion ? path_.at(motion->after) : std::nullopt;
+  const auto scale = scaleOf(map_id_);
+  if (!before || !after || !scale) {
+    return;
+  }
+  const Pose3& T_guessed = path_.last().T_world_camera;
+  Pose3 T_mended = *before * scaled(motion->T_before_after, *scale) * after->inverse() * T_guessed;
+  if (plane_.state() == ControlState::kH && lidarMatches(path_.last().utime)) {
+    T_mended = planarAs(T_guessed, T_mended);  // Scans have mended the rest.
+  }
+  path_.correctFrom(motion->after, T_mended * T_guessed.inverse());
+  if (jointHolds()) {
+    joint_->restart(path_);
+  }
 }
 
 RobotState PoseFusion::state() const {
@@ -291,6 +315,7 @@ void PoseFusion::standLevel() {
 }
 
 RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
+  mendMotion();
   // A picture that was under way is worth more than states without one, and so are two pictures with a pause
   // between them.
   const bool paused = visionTracks();
@@ -491,6 +516,7 @@ std::optional<double> PoseFusion::scaleOf(std::int32_t map_id) const {
 void PoseFusion::addPictures(std::span<const common::AnchoredPose> pictures,
                              const common::KeyframePoses& keyframes, std::int64_t revision) {
   addSamples(pictures);
+  corrected_.addPictures(pictures, keyframes, revision == map_revision_);
   if (revision == map_revision_) {
     solve(keyframes);
   }

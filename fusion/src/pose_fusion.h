@@ -12,6 +12,7 @@
 #include "common/history.h"
 #include "common/keyframe_poses.h"
 #include "common/robot_config.h"
+#include "corrected_motion.h"
 #include "fusion_config.h"
 #include "fusion_memory.h"
 #include "joint/joint_path.h"
@@ -98,6 +99,10 @@ class PoseFusion {
  private:
   bool lidarMatches(common::Utime now) const;
   common::Pose3 carry(const MonoMeasurement& mono);
+  /// Puts how the camera moved while the map was corrected where it was guessed.
+  void mendMotion();
+  /// x, y and heading of the body as in `T_world_camera`, height and tilt as in `T_seen`.
+  common::Pose3 planarAs(const common::Pose3& T_world_camera, const common::Pose3& T_seen) const;
   /// Scans whose time vision has reached.
   void useWaiting();
   void useLidar(const LidarMeasurement& lidar);
@@ -146,6 +151,7 @@ class PoseFusion {
   RecentPath path_;
   std::optional<JointPath> joint_;  // In mode joint.
   AlignmentWindow window_;
+  CorrectedMotion corrected_;
   std::map<std::int32_t, MapAlignment> maps_;
   std::deque<double> anchors_;  // Logarithms of a scale that is not known yet.
   std::int32_t map_id_ = 0;

@@ -10,7 +10,7 @@ using common::Utime;
 
 namespace {
 
-constexpr Utime kSpan = common::kMicrosecondsPerSecond;
+constexpr Utime kSpan = 2 * common::kMicrosecondsPerSecond;
 constexpr Utime kVelocitySpan = common::kMicrosecondsPerSecond / 10;
 
 }  // namespace
@@ -51,9 +51,11 @@ std::optional<Pose3> RecentPath::at(Utime utime) const {
       static_cast<double>(utime - before->utime) / static_cast<double>(after->utime - before->utime));
 }
 
-void RecentPath::correct(const Pose3& T) {
+void RecentPath::correctFrom(Utime utime, const Pose3& T) {
   for (Track& track : tracks_) {
-    track.T_world_camera = T * track.T_world_camera;
+    if (track.utime >= utime) {
+      track.T_world_camera = T * track.T_world_camera;
+    }
   }
 }
 

@@ -8,8 +8,8 @@
 
 namespace rubble::fusion {
 
-/// The last second of the camera's way, picture by picture. A correction moves all of it, so that what is
-/// compared with it later is compared with what is known now.
+/// The last two seconds of the camera's way, picture by picture. A correction moves all of it, so that what
+/// is compared with it later is compared with what is known now.
 class RecentPath {
  public:
   void add(const Track& track);
@@ -28,7 +28,9 @@ class RecentPath {
   /// T_world_camera between two pictures; empty outside.
   std::optional<common::Pose3> at(common::Utime utime) const;
   /// Moves all of it by T (world, from the left).
-  void correct(const common::Pose3& T);
+  void correct(const common::Pose3& T) { correctFrom(0, T); }
+  /// Moves what came at `utime` and later.
+  void correctFrom(common::Utime utime, const common::Pose3& T);
 
  private:
   std::deque<Track> tracks_;

@@ -74,6 +74,10 @@ void JointPath::begin(const Track& last, const JointVector& sigmas) {
   floor_way_ = 0.0;
 }
 
+void JointPath::restart(const RecentPath& path) {
+  begin(path.last(), estimate_->covariance.diagonal().cwiseSqrt());
+}
+
 void JointPath::changeLevel(const RecentPath& path, const Eigen::Vector4d& sigmas) {
   JointVector all = estimate_->covariance.diagonal().cwiseSqrt();
   all.head<3>() = sigmas.head<3>();

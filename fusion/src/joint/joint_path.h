@@ -28,6 +28,8 @@ class JointPath {
   /// After the track's last picture: begins, begins anew where the monocular map was corrected, and goes on
   /// where no scan comes.
   void follow(RecentPath& path, const JointStart& start, const PlaneState& plane);
+  /// Begins anew with what it knows where the path was mended.
+  void restart(const RecentPath& path);
   /// The pose counts from another level: how sure it is there, deviations of x, y, z (m) and heading (rad).
   void changeLevel(const RecentPath& path, const Eigen::Vector4d& sigmas);
   /// A scan that grid SLAM matched. False: it was not used, as most lie too near the last state. `at_once`:
