@@ -75,10 +75,11 @@ class PlaneState {
   void restore(ControlState state, std::int64_t revision, const std::vector<Level>& levels, int level);
   /// Whether a plane like this may be trusted, with the margin of a return.
   bool usable(const Plane& plane) const { return within(plane, config_.return_band); }
+  /// Not clearly off the level: by as much vision's attitude and height may be wrong.
+  bool doubtful(const Plane& plane) const;
 
  private:
   bool within(const Plane& plane, double share) const;
-  bool doubtful(const Plane& plane) const;
   double offFloor(const Plane& plane, int level) const;
   /// In M: the level that the plane is held against.
   void lookAround(common::Utime utime, const Plane& plane);

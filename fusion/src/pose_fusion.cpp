@@ -409,8 +409,10 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   };
   const bool jumps = !within(kJumpWay, kJumpTurn);
   const bool near = wide ? within(kReturnWay, kReturnTurn) : !jumps;
-  // A plane that vision sees tilted is not confirmed by a match, but in R contradicted by it.
-  const bool agrees = near || !visionCarries();
+  // A plane that vision sees tilted is not confirmed by a match, but in R contradicted by it: where LiDAR and
+  // vision differ, and where they agree but for a tilt or height that may as well be vision's error.
+  const bool agrees =
+      (near || !visionCarries()) && !(returns && attitude_known_ && !usable && plane_.doubtful(plane));
   const bool counts = lidar.good && (usable || (returns && !agrees));
   const bool insisted = plane_.addScan(!counts  ? PlaneState::Scan::kUnmatched
                                        : agrees ? PlaneState::Scan::kAgrees
