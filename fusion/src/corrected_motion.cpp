@@ -14,9 +14,10 @@ constexpr Utime kSpan = 2 * common::kMicrosecondsPerSecond;
 
 }  // namespace
 
-void CorrectedMotion::begin(std::int32_t map_id, Utime before, Utime after) {
+void CorrectedMotion::begin(std::int32_t map_id, Utime before, const common::Pose3& T_world_before,
+                            Utime after) {
   map_id_ = map_id;
-  pending_ = Motion{before, after};
+  pending_ = Motion{before, T_world_before, after};
   known_ = false;
 }
 

@@ -172,7 +172,7 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
   }
   if (last != nullptr && last->tracking && last->map_id == mono.map_id) {
     // The map was corrected under the pose: that does not move the robot.
-    corrected_.begin(mono.map_id, last->utime, mono.utime);
+    corrected_.begin(mono.map_id, last->utime, last->T_world_camera, mono.utime);
     return T_predicted;
   }
   // Vision is back, or in another map.
@@ -198,14 +198,14 @@ Pose3 PoseFusion::planarAs(const Pose3& T_world_camera, const Pose3& T_seen) con
 
 void PoseFusion::mendMotion() {
   const auto motion = corrected_.take();
-  const auto before = motion ? path_.at(motion->before) : std::nullopt;
   const auto after = motion ? path_.at(motion->after) : std::nullopt;
   const auto scale = scaleOf(map_id_);
-  if (!before || !after || !scale) {
+  if (!after || !scale) {
     return;
   }
   const Pose3& T_guessed = path_.last().T_world_camera;
-  Pose3 T_mended = *before * scaled(motion->T_before_after, *scale) * after->inverse() * T_guessed;
+  Pose3 T_mended =
+      motion->T_world_before * scaled(motion->T_before_after, *scale) * after->inverse() * T_guessed;
   if (plane_.state() == ControlState::kH && lidarMatches(path_.last().utime)) {
     T_mended = planarAs(T_guessed, T_mended);  // Scans have mended the rest.
   }

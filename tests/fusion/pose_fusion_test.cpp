@@ -36,7 +36,7 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     for (const double end = way_ + metres; way_ < end;) {
       now_ += kScan;
       way_ += kSpeed * common::secondsFromUtime(kScan);
-      const Pose3 T_world_body = test::windingPath(way_);
+      const Pose3 T_world_body = test::pitchedUp(test::windingPath(way_), pitch_);
       fusion_->addLidar({.utime = now_,
                          .T_world_lidar = test::level(T_world_body * robot_.T_body_lidar()),
                          .covariance = 1e-4 * Eigen::Matrix3d::Identity(),
@@ -82,6 +82,25 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
   /// Vision takes a turn upwards that was none.
   void tiltVision(double angle) { T_mono_camera_.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX())); }
 
+  /// The monocular map is corrected while the body pitches upwards.
+  void correctMapInATurn(double angle) {
+    Pose3 T_new_old = common::pose3FromPose2({0.4, -0.3, 0.2}, 0.1);
+    T_new_old.rotate(Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitY()));
+    T_mono_camera_ = T_new_old * T_mono_camera_;
+    for (std::int32_t id = 0; id < next_keyframe_; ++id) {
+      const auto located = keyframes_.locate({.utime = 0, .keyframe_id = id});
+      keyframes_.set(id, {.map_id = map_id_, .T_parent_camera = T_new_old * located->T_mono_camera});
+    }
+    ++revision_;
+    pitch_ += angle;
+  }
+
+  /// At the last picture, rad.
+  double attitudeError() const {
+    const Pose3 T_world_body = T_world_camera_ * robot_.T_body_camera().inverse();
+    return Eigen::AngleAxisd(T_world_body.linear().transpose() * state_.T_world_body.linear()).angle();
+  }
+
   /// Vision goes sideways where the robot does not.
   void shiftVision(double metres) { T_mono_camera_.translate(Eigen::Vector3d(metres, 0.0, 0.0)); }
 
@@ -99,19 +118,21 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     step.translation() /= scale;
     T_mono_camera_ = T_mono_camera_ * step;
     T_world_camera_ = T_world_camera;
-    state_ = fusion_->addMono({now_, true, map_id_, 0, T_mono_camera_});
+    state_ = fusion_->addMono({now_, true, map_id_, revision_, T_mono_camera_});
     // One keyframe for each picture.
     keyframes_.set(next_keyframe_, {.map_id = map_id_, .T_parent_camera = T_mono_camera_});
     pictures_.push_back({.utime = now_, .keyframe_id = next_keyframe_++});
     if (pictures_.size() == 5) {
-      fusion_->addPictures(pictures_, keyframes_, 0);
+      fusion_->addPictures(pictures_, keyframes_, revision_);
       pictures_.clear();
     }
     return (state_.T_world_body.translation() - T_world_body.translation()).norm();
   }
 
   double way_ = 0.0;
+  double pitch_ = 0.0;  // Of the body, upwards.
   std::int32_t map_id_ = 1;
+  std::int64_t revision_ = 0;
   Pose3 T_world_camera_ = robot_.T_body_camera();
   Pose3 T_mono_camera_ = Pose3::Identity();
   common::KeyframePoses keyframes_;
@@ -178,6 +199,27 @@ TEST_P(PoseFusionTest, OutOfRThePoseGoesToTheLidarAtOnce) {
   drive(0.2, 1.0);
   EXPECT_LT(drive(1.0, 1.0), 0.03);
   EXPECT_EQ(fusion_->plane().contradicted(), 0);
+}
+
+TEST_P(PoseFusionTest, ATurnWhileTheMapWasCorrectedIsNoErrorForGood) {
+  drive(8.0, 1.0);
+  const double before = attitudeError();
+  correctMapInATurn(0.1);
+  drive(0.05, 1.0);
+  EXPECT_GT(attitudeError(), 0.05) << "nobody can know at once";
+  drive(0.4, 1.0);
+  EXPECT_LT(attitudeError(), before + 0.01);
+}
+
+TEST_P(PoseFusionTest, ATiltThatVisionInventsOnLevelGroundIsForgotten) {
+  drive(8.0, 1.0);
+  tiltVision(0.08);
+  drive(0.5, 1.0);
+  EXPECT_GT(attitudeError(), 0.06);
+  EXPECT_NE(fusion_->plane().state(), ControlState::kH);
+  EXPECT_LT(drive(4.0, 1.0), 0.2);
+  EXPECT_LT(attitudeError(), 0.02);
+  EXPECT_EQ(fusion_->plane().state(), ControlState::kH);
 }
 
 using JointFusionTest = PoseFusionTest;
