@@ -166,7 +166,10 @@ Pose3 PoseFusion::carry(const MonoMeasurement& mono) {
     Pose3 T = last->T_world_camera * scaled(last->T_mono_camera.inverse() * mono.T_mono_camera,
                                             jointHolds() ? joint_->scale() : alignment.S_world_mono.scale);
     if (!visionCarries()) {
-      T.translation() = T_predicted.translation();
+      T.translation().head<2>() = T_predicted.translation().head<2>();
+      if (!alignment.scale_known || alignment.way == 0.0) {
+        T.translation().z() = T_predicted.translation().z();
+      }
     }
     return T;
   }
