@@ -129,6 +129,8 @@ class FusionNode : public lcm_io::Node {
     const bool h = fusion_.plane().state() == ControlState::kH;
     if (now - last_mono_ >= kMonoSilence) {
       say("MONO_POSE is silent: is the camera running?");
+    } else if (fusion_.visionAstray()) {
+      say("vision turns otherwise than the LiDAR and is not believed: the LiDAR alone carries the pose");
     } else if (!vision && !h) {
       say("vision is lost off the level: nothing carries the pose");
     } else if (!vision && vision_started_) {

@@ -317,8 +317,15 @@ void PoseFusion::standLevel() {
                             Vector3d::Zero()));
 }
 
-RobotState PoseFusion::addMono(const MonoMeasurement& mono) {
+RobotState PoseFusion::addMono(const MonoMeasurement& seen) {
   mendMotion();
+  if (seen.tracking && !path_.empty()) {
+    const Matrix3d R_camera_lidar = T_camera_lidar(seen.utime).linear();
+    turns_.addVision(seen.utime, seen.map_id, seen.map_revision, seen.T_mono_camera.linear() * R_camera_lidar,
+                     path_.last().T_world_camera.linear() * R_camera_lidar);
+  }
+  MonoMeasurement mono = seen;
+  mono.tracking = seen.tracking && !turns_.astray();
   // A picture that was under way is worth more than states without one, and so are two pictures with a pause
   // between them.
   const bool paused = visionTracks();
@@ -393,13 +400,14 @@ void PoseFusion::useWaiting() {
 }
 
 void PoseFusion::useLidar(const LidarMeasurement& lidar) {
-  const auto T_world_camera = path_.at(lidar.utime);
   const bool current = lidar.revision < 0 || lidar.revision == plane_.revision();
-  if (!T_world_camera || !current || plane_.state() == ControlState::kM) {
+  if (!path_.at(lidar.utime) || !current || plane_.state() == ControlState::kM) {
     return;
   }
-  const Pose3 T_predicted = *T_world_camera * T_camera_lidar(lidar.utime);
-  const Plane plane = planeOf(*T_world_camera, lidar.utime);
+  checkTurns(lidar);
+  const Pose3 T_world_camera = *path_.at(lidar.utime);
+  const Pose3 T_predicted = T_world_camera * T_camera_lidar(lidar.utime);
+  const Plane plane = planeOf(T_world_camera, lidar.utime);
   const bool usable = plane_.usable(plane);
   const Pose2 predicted = planar(T_predicted);
   const Eigen::Vector2d shift = lidar.T_world_lidar.translation() - predicted.translation();
@@ -463,6 +471,26 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
       lidar_ = common::History<Pose2>(kLidarSpan);  // Nobody knows where it was in between.
     }
     lidar_.add(lidar.utime, lidar.T_world_lidar);
+  }
+}
+
+void PoseFusion::checkTurns(const LidarMeasurement& lidar) {
+  const Plane plane = planeOf(*path_.at(lidar.utime), lidar.utime);
+  const bool was_astray = turns_.astray();
+  if (lidar.good && plane_.doubtful(plane)) {
+    turns_.addLidar(lidar.utime, lidar.T_world_lidar.yaw);
+  }
+  if (!turns_.astray() || was_astray) {
+    return;
+  }
+  standLevel();
+  path_.correct(
+      motionAbout(Vector3d::Zero(), Vector3d::Zero(), {0.0, 0.0, plane_.level().floor - plane.height}));
+  maps_.erase(map_id_);
+  anchors_.clear();
+  window_.clear();
+  if (joint_) {
+    joint_->stop();
   }
 }
 

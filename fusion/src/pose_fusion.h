@@ -18,6 +18,7 @@
 #include "joint/joint_path.h"
 #include "levelling.h"
 #include "recent_path.h"
+#include "turn_check.h"
 
 namespace rubble::fusion {
 
@@ -87,6 +88,8 @@ class PoseFusion {
   std::optional<double> scaleOf(std::int32_t map_id) const;
   /// Or only pauses: a picture that comes late is no loss.
   bool visionTracks() const;
+  /// It turns otherwise than the LiDAR does and is taken for lost.
+  bool visionAstray() const { return turns_.astray(); }
   /// Time of the last scan that the pose has followed; 0: none yet.
   common::Utime lastLidar() const { return last_lidar_; }
   /// What contradicts the calibration, in words; empty when nothing does.
@@ -106,6 +109,8 @@ class PoseFusion {
   /// Scans whose time vision has reached.
   void useWaiting();
   void useLidar(const LidarMeasurement& lidar);
+  /// Vision that goes astray on the level is forgotten: its map is begun anew once it is found again.
+  void checkTurns(const LidarMeasurement& lidar);
   /// The scale of the present map is learnt anew, from the attitude as it is now.
   void distrustVision();
   void noteVelocity(const LidarMeasurement& lidar);
@@ -152,6 +157,7 @@ class PoseFusion {
   std::optional<JointPath> joint_;  // In mode joint.
   AlignmentWindow window_;
   CorrectedMotion corrected_;
+  TurnCheck turns_;
   std::map<std::int32_t, MapAlignment> maps_;
   std::deque<double> anchors_;  // Logarithms of a scale that is not known yet.
   std::int32_t map_id_ = 0;

@@ -101,6 +101,9 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     return Eigen::AngleAxisd(T_world_body.linear().transpose() * state_.T_world_body.linear()).angle();
   }
 
+  /// Vision turns aside a little more with every picture.
+  double turn_aside_ = 0.0;
+
   /// Vision goes sideways where the robot does not.
   void shiftVision(double metres) { T_mono_camera_.translate(Eigen::Vector3d(metres, 0.0, 0.0)); }
 
@@ -116,6 +119,7 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     const Pose3 T_world_camera = T_world_body * robot_.T_body_camera();
     Pose3 step = T_world_camera_.inverse() * T_world_camera;
     step.translation() /= scale;
+    step.rotate(Eigen::AngleAxisd(turn_aside_, Eigen::Vector3d::UnitY()));
     T_mono_camera_ = T_mono_camera_ * step;
     T_world_camera_ = T_world_camera;
     state_ = fusion_->addMono({now_, true, map_id_, revision_, T_mono_camera_});
@@ -220,6 +224,19 @@ TEST_P(PoseFusionTest, ATiltThatVisionInventsOnLevelGroundIsForgotten) {
   EXPECT_LT(drive(4.0, 1.0), 0.2);
   EXPECT_LT(attitudeError(), 0.02);
   EXPECT_EQ(fusion_->plane().state(), ControlState::kH);
+}
+
+TEST_P(PoseFusionTest, VisionThatTurnsOtherwiseThanTheLidarIsLeftAlone) {
+  drive(8.0, 1.0);
+  turn_aside_ = 0.02;  // 11 degrees a second.
+  EXPECT_LT(drive(1.0, 1.0), 0.1);
+  EXPECT_TRUE(fusion_->visionAstray());
+  turn_aside_ = 0.0;
+  EXPECT_LT(drive(6.0, 0.2), 0.1) << "as if in another map";
+  EXPECT_FALSE(fusion_->visionAstray());
+  EXPECT_EQ(fusion_->plane().state(), ControlState::kH);
+  EXPECT_TRUE(fusion_->visionTracks());
+  EXPECT_NEAR(*fusion_->scaleOf(1), 0.2, 0.02);
 }
 
 using JointFusionTest = PoseFusionTest;
