@@ -19,6 +19,8 @@ FusionMemory example() {
   memory.last.T_mono_camera = test::T_mono_camera(memory.last.T_world_camera, test::S_world_mono());
   memory.state = ControlState::kM;
   memory.revision = 9;
+  memory.levels.push_back({.floor = 1.2, .origin = {3.0, 4.0}, .covariance = Eigen::Matrix4d::Identity()});
+  memory.level = 1;
   memory.attitude_known = false;
   memory.maps[1] = {test::S_world_mono(), 0.01, true, 4.0};
   memory.maps[2] = {};
@@ -50,6 +52,10 @@ TEST(FusionMemory, ComesBackAsItWas) {
   const FusionMemory memory = parseFusionMemory(bytes);
   EXPECT_EQ(memory.state, ControlState::kM);
   EXPECT_EQ(memory.revision, 9);
+  ASSERT_EQ(memory.levels.size(), 2);
+  EXPECT_EQ(memory.level, 1);
+  EXPECT_DOUBLE_EQ(memory.levels[1].floor, 1.2);
+  EXPECT_EQ(memory.levels[1].covariance, Eigen::Matrix4d::Identity());
   EXPECT_FALSE(memory.attitude_known);
   EXPECT_DOUBLE_EQ(memory.maps.at(1).S_world_mono.scale, test::S_world_mono().scale);
   EXPECT_DOUBLE_EQ(memory.maps.at(1).way, 4.0);
@@ -70,6 +76,14 @@ TEST(FusionMemory, DamageIsRefused) {
     auto damaged = bytes;
     damaged[i] ^= 0x10;
     EXPECT_THROW(parseFusionMemory(damaged), common::Error) << i;
+  }
+}
+
+TEST(FusionMemory, ALevelThatDoesNotExistIsRefused) {
+  for (const std::int32_t level : {-1, 2}) {
+    FusionMemory memory = example();
+    memory.level = level;
+    EXPECT_THROW(parseFusionMemory(serialise(memory)), common::Error) << level;
   }
 }
 

@@ -283,6 +283,34 @@ TEST_F(FusionNodeTest, CarriesThePoseOverTheRamp) {
   EXPECT_LT(attitudeError(), 0.02);
 }
 
+TEST_F(FusionNodeTest, ThePlatformIsALevelOfItsOwnWhichSurvives) {
+  const rubble::test::TempDir dir;
+  makeNode(dir.path());
+  drive(8.3);
+  ASSERT_EQ(state(), rubble::lidar_control_t::STATE_M);
+  const double drifted = poses_.back().covariance[0];
+  stand(1.5);
+  EXPECT_EQ(state(), rubble::lidar_control_t::STATE_H);
+  EXPECT_EQ(control_->level, 1);
+  EXPECT_EQ(poses_.back().level, 1);
+  drive(0.3);
+  EXPECT_LT(positionError(), 0.05);
+  EXPECT_LT(attitudeError(), 0.02);
+  EXPECT_GT(poses_.back().covariance[0], 0.9 * drifted) << "its place in world is known no better";
+  EXPECT_GT(control_->confirmed_h_utime, now_ - common::utimeFromSeconds(0.4));
+
+  node_->finish();
+  makeNode(dir.path());
+  drive(0.2);
+  EXPECT_EQ(control_->level, 1);
+  EXPECT_LT(positionError(), 0.05);
+  drive(4.5);
+  EXPECT_EQ(state(), rubble::lidar_control_t::STATE_H);
+  EXPECT_EQ(control_->level, 0);
+  EXPECT_LT(positionError(), 0.05);
+  EXPECT_LT(poses_.back().covariance[0], drifted);
+}
+
 TEST_F(FusionNodeTest, LidarOffAndCameraOffOnTheFloor) {
   drive(3.0);
   lidar_on_ = false;

@@ -57,9 +57,10 @@ class Robot {
     return sighting;
   }
 
-  PicturePlace place(const Pose3& T_world_camera, bool on_level = true, double sigma = 0.0) {
+  PicturePlace place(const Pose3& T_world_camera, bool on_level = true, double sigma = 0.0,
+                     std::int32_t level = 0) {
     utime_ += kPeriod;
-    return {utime_, T_world_camera, on_level, 0, 7, sigma};
+    return {utime_, T_world_camera, on_level, level, 7, sigma};
   }
 
  private:
@@ -184,6 +185,22 @@ TEST(ObjectMarks, TheWayUpARampMendsTheRangeOfItsSlope) {
     }
     EXPECT_TRUE(mark.on_level) << "corrections of the monocular map do not move it";
   }
+}
+
+TEST(ObjectMarks, StayWithTheLevelThatSawThemFirst) {
+  ObjectMarks marks{{}};
+  Robot robot;
+  for (int i = 0; i < 30; ++i) {
+    const int level = i < 12 ? 0 : 1;
+    const Pose3 camera = cameraAt({0.0, 0.5 - 0.05 * i, 0.4}, 0.1);
+    const Sighting sighting = robot.see(camera, kFace, "poison", 0.001);
+    // The other level's grid lies 0.2 m aside.
+    const Pose3 told = Pose3(Eigen::Translation3d(0.0, 0.2 * level, 0.0)) * camera;
+    marks.addPicture(robot.place(told, true, level == 0 ? 0.01 : 0.2, level), std::span(&sighting, 1));
+  }
+  ASSERT_EQ(marks.marks().size(), 1U);
+  EXPECT_EQ(marks.marks().front().level, 0);
+  EXPECT_LT((marks.marks().front().position.p_world - kFace.translation()).norm(), 0.05);
 }
 
 TEST(ObjectMarks, WithoutDistanceItStaysPending) {

@@ -132,6 +132,97 @@ TEST_F(PlaneStateTest, AnUnknownAttitudeSuspendsWritingUntilTheLidarHasShownIt) 
   EXPECT_EQ(state_.state(), ControlState::kH);
 }
 
+/// Ways up and down, and what stands at their ends.
+class LevelsTest : public PlaneStateTest {
+ protected:
+  /// Over a slope to `height`, where the body stands level for `seconds`.
+  void climbTo(double height, double seconds) {
+    const double from = height_;
+    for (int i = 1; i <= 30; ++i) {
+      height_ = from + (height - from) * i / 30;
+      show(0.1, height_, 0.0, true, 0.5);
+    }
+    show(seconds, height_, 0.0);
+  }
+
+  double height_ = 0.0;
+};
+
+TEST_F(LevelsTest, AFloorAtTheEndOfASlopeBecomesALevel) {
+  show(1.0, 0.0, 0.0);
+  climbTo(1.2, 0.8);
+  EXPECT_EQ(state_.state(), ControlState::kM);
+  const std::int64_t before = state_.revision();
+  show(0.4, 1.2, 0.0);
+  EXPECT_EQ(state_.state(), ControlState::kH);
+  EXPECT_EQ(state_.levelId(), 1);
+  EXPECT_NEAR(state_.level().floor, 1.2, 0.01);
+  EXPECT_EQ(state_.revision(), before + 1);
+  show(0.3, 1.5, 0.0);
+  EXPECT_EQ(state_.state(), ControlState::kM) << "heights count from the level's floor";
+}
+
+TEST_F(LevelsTest, NoneWithoutASlopeNorOnStairs) {
+  show(1.0, 0.0, 0.0);
+  show(5.0, 1.2, 0.0);
+  EXPECT_EQ(state_.state(), ControlState::kM) << "vision that has jumped";
+  climbTo(0.9, 0.0);
+  for (int step = 1; step <= 8; ++step) {
+    show(0.5, 0.9 + 0.18 * step, 0.0);
+  }
+  EXPECT_EQ(state_.levels().size(), 1U);
+}
+
+TEST_F(LevelsTest, NoneWhereTheyAreSwitchedOffOrInThePapersMode) {
+  for (const bool off : {true, false}) {
+    config_ = {};
+    config_.levels = !off;
+    config_.mode = off ? "joint" : "lsm";
+    state_ = PlaneState(config_);
+    height_ = 0.0;
+    show(1.0, 0.0, 0.0);
+    climbTo(1.2, 5.0);
+    EXPECT_EQ(state_.levels().size(), 1U);
+    EXPECT_EQ(state_.state(), ControlState::kM);
+  }
+}
+
+TEST_F(LevelsTest, KnownOnesAreReturnedToOnceScansAgree) {
+  show(1.0, 0.0, 0.0);
+  climbTo(1.2, 2.0);
+  for (const int level : {0, 1, 0, 1}) {
+    climbTo(level == 0 ? 0.03 : 1.17, 0.5);
+    ASSERT_EQ(state_.state(), ControlState::kR);
+    EXPECT_EQ(state_.levelId(), level);
+    scans(config_.verify_scans, Scan::kAgrees);
+    EXPECT_EQ(state_.state(), ControlState::kH);
+  }
+  EXPECT_EQ(state_.levels().size(), 2U);
+}
+
+TEST_F(LevelsTest, OfTwoAtOneHeightTheScansTellWhich) {
+  const int give_up = 3 * config_.observe_scans;
+  show(1.0, 0.0, 0.0);
+  climbTo(1.2, 2.0);
+  climbTo(0.0, 0.5);
+  scans(config_.verify_scans, Scan::kAgrees);
+  climbTo(1.21, 2.0);
+  ASSERT_EQ(state_.levelId(), 1);
+  scans(give_up, Scan::kUnmatched);
+  EXPECT_EQ(state_.levelId(), 2) << "another platform";
+  EXPECT_EQ(state_.state(), ControlState::kH);
+  climbTo(0.0, 0.5);
+  scans(config_.verify_scans, Scan::kAgrees);
+  climbTo(1.2, 2.0);
+  ASSERT_EQ(state_.levelId(), 1);
+  scans(give_up, Scan::kUnmatched);
+  EXPECT_EQ(state_.levelId(), 2);
+  EXPECT_EQ(state_.state(), ControlState::kR) << "that one again";
+  scans(config_.verify_scans, Scan::kAgrees);
+  EXPECT_EQ(state_.state(), ControlState::kH);
+  EXPECT_EQ(state_.levels().size(), 3U);
+}
+
 TEST(PlaneStateLsm, SwitchesOnHeightAloneAndAtOnce) {
   PlaneStateConfig config;
   config.mode = "lsm";

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -17,6 +18,7 @@
 #include <rubble/lidar_pose_t.hpp>
 #include <rubble/robot_pose_t.hpp>
 #include <rubble/stabilizer_t.hpp>
+#include <utility>
 #include <vector>
 
 #include "common/geometry.h"
@@ -114,8 +116,34 @@ class SlamLidarNodeTest : public testing::Test {
 
   void stand(int scans) { walk(scans, {}); }
 
+  /// The same, with the fused pose.
+  void walkFused(int scans) {
+    for (int i = 0; i < scans; ++i) {
+      rubble::robot_pose_t pose{};
+      pose.utime = now_ + kScanPeriod;
+      lcm_io::poseToMessage(common::pose3FromPose2(T_world_lidar_ * kStep), pose.p_world_body,
+                            pose.q_world_body);
+      feed(lcm_io::channel::kRobotPose, pose);
+      walk(1);
+    }
+  }
+
+  /// Tiles of a level as told so far.
+  std::map<std::pair<int, int>, std::vector<std::uint8_t>> tilesOf(std::int32_t level) const {
+    std::map<std::pair<int, int>, std::vector<std::uint8_t>> tiles;
+    for (const rubble::grid_map_t& map : maps_) {
+      for (const rubble::grid_tile_t& tile : map.tiles) {
+        if (map.level == level) {
+          tiles[{tile.tile_x, tile.tile_y}] = tile.data;
+        }
+      }
+    }
+    return tiles;
+  }
+
   /// Walks on and feeds one scan per step.
-  void walk(int scans, const Pose2& step = {0.04, 0.0, 0.02}) {
+  static constexpr Pose2 kStep{0.04, 0.0, 0.02};
+  void walk(int scans, const Pose2& step = kStep) {
     for (int i = 0; i < scans; ++i) {
       now_ += kScanPeriod;
       // The first scan's pose is the origin of world.
@@ -128,11 +156,11 @@ class SlamLidarNodeTest : public testing::Test {
     }
   }
 
-  void control(std::int8_t state, Utime confirmed_h_utime = 0) {
+  void control(std::int8_t state, Utime confirmed_h_utime = 0, std::int32_t level = 0) {
     control_ = rubble::lidar_control_t{};
     control_->state = state;
     control_->revision = ++revision_;
-    control_->level = 0;
+    control_->level = level;
     control_->confirmed_h_utime = confirmed_h_utime;
   }
 
@@ -252,6 +280,51 @@ TEST_F(SlamLidarNodeTest, InMThePoseFollowsTheFusedMotionAndIsFoundAgainInR) {
   walk(10);
   EXPECT_EQ(poses_.back().status, lidar_pose_t::STATUS_GOOD);
   EXPECT_LT(error(), kOneCell);
+}
+
+TEST_F(SlamLidarNodeTest, AnotherLevelHasAGridOfItsOwn) {
+  const test::TempDir dir;
+  now_ = std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+             .count();
+  makeNode(dir.path());
+  control(rubble::lidar_control_t::STATE_H);
+  stand(5);
+  walk(30);
+  control(rubble::lidar_control_t::STATE_H, now_);
+  walkFused(12);
+  control(rubble::lidar_control_t::STATE_M, now_);
+  walkFused(12);
+  const auto ground = tilesOf(0);
+  // The robot is moving, and the first second is written as the fused pose says.
+  control(rubble::lidar_control_t::STATE_H, now_, 1);
+  walkFused(30);
+  EXPECT_EQ(poses_.back().level, 1);
+  EXPECT_EQ(poses_.back().status, lidar_pose_t::STATUS_GOOD);
+  EXPECT_LT(error(), 0.02);
+  EXPECT_GT(mapRevision(), 5);
+  EXPECT_FALSE(tilesOf(1).empty());
+  EXPECT_EQ(tilesOf(0), ground);
+
+  node_->finish();
+  makeNode(dir.path());
+  walkFused(10);
+  EXPECT_EQ(poses_.back().level, 1);
+  EXPECT_EQ(poses_.back().status, lidar_pose_t::STATUS_GOOD);
+  control(rubble::lidar_control_t::STATE_M, 0, 1);
+  walkFused(5);
+  control(rubble::lidar_control_t::STATE_R);
+  walkFused(10);
+  EXPECT_EQ(poses_.back().level, 0);
+  EXPECT_EQ(poses_.back().status, lidar_pose_t::STATUS_GOOD);
+  EXPECT_LT(error(), kOneCell);
+  node_->finish();
+  EXPECT_EQ(tilesOf(0), ground);
+  for (const std::int32_t level : {-1, 64}) {
+    control(rubble::lidar_control_t::STATE_H, 0, level);
+    walk(1);
+  }
+  EXPECT_EQ(bus_->received().at(lcm_io::channel::kLidarControl).errors, 2);
 }
 
 TEST_F(SlamLidarNodeTest, SilenceOfControlStopsWriting) {

@@ -192,6 +192,31 @@ TEST(GridSlam, IgnoredAndMatchOnlyScansWriteNothing) {
   EXPECT_EQ(slam.mapRevision(), revision);
 }
 
+TEST(GridSlam, AMapCanBeginUnderAMovingRobot) {
+  const SyntheticRoom room;
+  std::vector<common::Pose2> poses{{0.4, -0.3, 0.5}};
+  for (int i = 1; i < 120; ++i) {
+    poses.push_back(poses.back() * common::Pose2{0.01, 0.0, 0.02});
+  }
+  GridSlam slam(GridSlamConfig{}, poses.front());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto ranges = room.scan(poses[i]);
+    ScanInput input = SyntheticRoom::input(static_cast<common::Utime>(i + 1) * kPeriod, ranges);
+    if (i < 30) {
+      input.mode = ScanMode::kWriteOnly;
+      if (i > 0) {
+        input.prior = MotionPrior{poses[i - 1].inverse() * poses[i]};
+      }
+    }
+    const ScanResult result = slam.addScan(input);
+    EXPECT_EQ(result.matched, i >= 30);
+    EXPECT_EQ(result.status == MatchStatus::kGood, i >= 30) << "nobody should follow what nobody matched";
+    EXPECT_LT(distance(result.T_world_lidar, poses[i]), 0.01) << i;
+    EXPECT_LT(std::abs(common::wrapAngle(result.T_world_lidar.yaw - poses[i].yaw)), 0.005) << i;
+  }
+  EXPECT_GE(slam.mapRevision(), 29U);
+}
+
 TEST(GridSlam, TiltedScansAreMatchedButNotWritten) {
   const SyntheticRoom room;
   GridSlam slam{GridSlamConfig{}};
