@@ -9,8 +9,8 @@ using common::Utime;
 
 namespace {
 
-/// MONO_MAP is repeated twice a second.
-constexpr Utime kSpan = 2 * common::kMicrosecondsPerSecond;
+/// MONO_MAP comes twice a second.
+constexpr std::size_t kMostPictures = 200;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ void CorrectedMotion::begin(std::int32_t map_id, Utime before, const common::Pos
 void CorrectedMotion::addPictures(std::span<const common::AnchoredPose> pictures,
                                   const common::KeyframePoses& keyframes, bool corrected) {
   pictures_.insert(pictures_.end(), pictures.begin(), pictures.end());
-  while (!pictures_.empty() && pictures_.back().utime - pictures_.front().utime > kSpan) {
+  while (pictures_.size() > kMostPictures) {
     pictures_.pop_front();
   }
   if (!pending_ || !corrected) {
@@ -40,7 +40,6 @@ void CorrectedMotion::addPictures(std::span<const common::AnchoredPose> pictures
   const auto after = locate(pending_->after);
   if (before && after) {
     pending_->T_before_after = before->T_mono_camera.inverse() * after->T_mono_camera;
-    pending_->growth = before->growth / after->growth;
     known_ = true;
   }
 }

@@ -26,7 +26,6 @@ class CorrectedMotion {
     common::Pose3 T_world_before = common::Pose3::Identity();
     common::Utime after = 0;
     common::Pose3 T_before_after = common::Pose3::Identity();  ///< in units of the map as it is now
-    double growth = 1.0;                                       ///< of the map around, by the correction
   };
   /// Once, when it is known.
   std::optional<Motion> take();

@@ -19,6 +19,8 @@ constexpr double kLevelBody = 0.035;
 /// A new floor is level within this (m), and came after the body was tilted by more than doubt for so long.
 constexpr double kFloorBand = 0.05;
 constexpr common::Utime kClimb = common::kMicrosecondsPerSecond / 2;
+/// As many as slam_lidar keeps.
+constexpr std::size_t kMostLevels = 64;
 
 }  // namespace
 
@@ -142,6 +144,7 @@ void PlaneState::watchFloor(common::Utime utime, const Plane& plane) {
 
 bool PlaneState::standsOnNewFloor() const {
   return config_.levels && config_.mode != "lsm" && attitude_known_ && steep_ >= kClimb &&
+         levels_.size() < kMostLevels &&
          floor_.now - floor_.since >= common::utimeFromSeconds(config_.floor_after);
 }
 

@@ -318,12 +318,6 @@ void PoseFusion::standLevel() {
 }
 
 RobotState PoseFusion::addMono(const MonoMeasurement& seen) {
-  mendMotion();
-  if (seen.tracking && !path_.empty()) {
-    const Matrix3d R_camera_lidar = T_camera_lidar(seen.utime).linear();
-    turns_.addVision(seen.utime, seen.map_id, seen.map_revision, seen.T_mono_camera.linear() * R_camera_lidar,
-                     path_.last().T_world_camera.linear() * R_camera_lidar);
-  }
   MonoMeasurement mono = seen;
   mono.tracking = seen.tracking && !turns_.astray();
   // A picture that was under way is worth more than states without one, and so are two pictures with a pause
@@ -336,6 +330,12 @@ RobotState PoseFusion::addMono(const MonoMeasurement& seen) {
   if (!path_.empty() && mono.utime <= path_.last().utime) {
     throw common::Error(fmt::format("picture at {} us is not newer than the last state, {} us", mono.utime,
                                     path_.last().utime));
+  }
+  mendMotion();
+  if (seen.tracking && !path_.empty()) {
+    const Matrix3d R_camera_lidar = T_camera_lidar(seen.utime).linear();
+    turns_.addVision(seen.utime, seen.map_id, seen.map_revision, seen.T_mono_camera.linear() * R_camera_lidar,
+                     path_.last().T_world_camera.linear() * R_camera_lidar);
   }
   if (mono.tracking) {
     if (mono.map_id != map_id_) {

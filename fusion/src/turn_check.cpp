@@ -49,6 +49,9 @@ std::optional<double> at(const std::deque<std::pair<Utime, double>>& headings, U
 
 void TurnCheck::add(Headings& headings, Utime utime, double heading) {
   if (!headings.empty()) {
+    if (utime <= headings.back().first) {
+      return;
+    }
     heading = headings.back().second + common::wrapAngle(heading - headings.back().second);
   }
   headings.emplace_back(utime, heading);
