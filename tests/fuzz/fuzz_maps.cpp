@@ -8,6 +8,7 @@
 #include "eval_relations.h"
 #include "fusion_memory.h"
 #include "input_file.h"
+#include "level_grids.h"
 #include "map/map_file.h"
 #include "map_file.h"
 #include "slam_lidar/grid_slam.h"
@@ -43,6 +44,29 @@ void readLidarState(Bytes bytes) {
   for (const slam_lidar::TileInfo& tile : slam.tiles()) {
     slam.tileCells(tile.x, tile.y);
   }
+}
+
+/// What is restored goes on, on all its levels and on a new one.
+void readLevels(Bytes bytes) {
+  using slam_lidar::LevelGrids;
+  auto grids = LevelGrids::restore(gridConfig(), bytes);
+  const auto saved = grids.serialise();
+  RUBBLE_CHECK(LevelGrids::restore(gridConfig(), saved).serialise() == saved);
+  std::int32_t unknown = 0;
+  for (std::int32_t level = LevelGrids::kMostLevels - 1; level >= 0; --level) {
+    if (grids.knows(level)) {
+      grids.enter(level);
+      grids.nextMaps(1);
+    } else {
+      unknown = level;
+    }
+  }
+  if (!grids.knows(unknown)) {
+    grids.begin(unknown, {}, grids.floor());
+  }
+  grids.nextMaps(1);
+  grids.remainingMaps(1);
+  grids.serialise();
 }
 
 void readMonoMap(Bytes bytes) {
@@ -101,7 +125,7 @@ void readOccupancyMap(Bytes input) {
 }
 
 void read(std::uint8_t kind, Bytes input) {
-  switch (kind % 7) {
+  switch (kind % 8) {
     case 0:
       readSealed(readLidarState, {input.begin(), input.end()});
       break;
@@ -122,8 +146,11 @@ void read(std::uint8_t kind, Bytes input) {
     case 5:
       common::readTum(fuzz::InputFile(input).path());
       break;
-    default:
+    case 6:
       tools::readRelations(fuzz::InputFile(input).path());
+      break;
+    default:
+      readSealed(readLevels, {input.begin(), input.end()});
   }
 }
 
