@@ -36,9 +36,10 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     for (const double end = way_ + metres; way_ < end;) {
       now_ += kScan;
       way_ += kSpeed * common::secondsFromUtime(kScan);
-      const Pose3 T_world_body = test::pitchedUp(test::windingPath(way_), pitch_);
+      height_ += kSpeed * common::secondsFromUtime(kScan) * std::sin(slope_);
+      const Pose3 T_world_body = bodyNow();
       fusion_->addLidar({.utime = now_,
-                         .T_world_lidar = test::level(T_world_body * robot_.T_body_lidar()),
+                         .T_world_lidar = T_level_world() * test::level(T_world_body * robot_.T_body_lidar()),
                          .covariance = 1e-4 * Eigen::Matrix3d::Identity(),
                          .good = lidar_matches_,
                          .revision = fusion_->plane().revision()});
@@ -101,8 +102,28 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     return Eigen::AngleAxisd(T_world_body.linear().transpose() * state_.T_world_body.linear()).angle();
   }
 
+  Pose3 bodyNow() const {
+    Pose3 T = test::windingPath(way_);
+    T.translation().z() = height_;
+    return test::pitchedUp(T, pitch_ + slope_);
+  }
+
+  /// A level's grid begins where the pose is then.
+  common::Pose2 T_level_world() {
+    if (const int level = fusion_->plane().levelId(); level >= static_cast<int>(T_levels_world_.size())) {
+      const Pose3 T_body_lidar = robot_.T_body_lidar();
+      T_levels_world_.push_back(test::level(state_.T_world_body * T_body_lidar) *
+                                test::level(last_body_ * T_body_lidar).inverse());
+    }
+    return T_levels_world_[static_cast<std::size_t>(fusion_->plane().levelId())];
+  }
+
+  /// Deviation of the position in the plane, m.
+  double sigma() const { return std::sqrt(state_.covariance.topLeftCorner<2, 2>().trace()); }
+
   /// Vision turns aside a little more with every picture.
   double turn_aside_ = 0.0;
+  double slope_ = 0.0;  // That the robot drives up.
 
   /// Vision goes sideways where the robot does not.
   void shiftVision(double metres) { T_mono_camera_.translate(Eigen::Vector3d(metres, 0.0, 0.0)); }
@@ -122,6 +143,7 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
     step.rotate(Eigen::AngleAxisd(turn_aside_, Eigen::Vector3d::UnitY()));
     T_mono_camera_ = T_mono_camera_ * step;
     T_world_camera_ = T_world_camera;
+    last_body_ = T_world_body;
     state_ = fusion_->addMono({now_, true, map_id_, revision_, T_mono_camera_});
     // One keyframe for each picture.
     keyframes_.set(next_keyframe_, {.map_id = map_id_, .T_parent_camera = T_mono_camera_});
@@ -134,7 +156,10 @@ class PoseFusionTest : public testing::TestWithParam<const char*> {
   }
 
   double way_ = 0.0;
-  double pitch_ = 0.0;  // Of the body, upwards.
+  double height_ = 0.0;
+  double pitch_ = 0.0;                   // Of the body, upwards.
+  Pose3 last_body_ = Pose3::Identity();  // At the last picture.
+  std::vector<common::Pose2> T_levels_world_{1};
   std::int32_t map_id_ = 1;
   std::int64_t revision_ = 0;
   Pose3 T_world_camera_ = robot_.T_body_camera();
@@ -237,6 +262,38 @@ TEST_P(PoseFusionTest, VisionThatTurnsOtherwiseThanTheLidarIsLeftAlone) {
   EXPECT_EQ(fusion_->plane().state(), ControlState::kH);
   EXPECT_TRUE(fusion_->visionTracks());
   EXPECT_NEAR(*fusion_->scaleOf(1), 0.2, 0.02);
+}
+
+TEST_P(PoseFusionTest, ALevelIsAsUnsureAsThePoseWasThatBeganIt) {
+  drive(8.0, 1.0);
+  const double below = sigma();
+  slope_ = 0.4;
+  const double drift = drive(2.0, 1.06);
+  slope_ = 0.0;
+  for (int i = 0; i < 40 && fusion_->plane().levelId() == 0; ++i) {
+    drive(0.05, 1.0);
+  }
+  ASSERT_EQ(fusion_->plane().levelId(), 1);
+  ASSERT_EQ(fusion_->plane().state(), ControlState::kH);
+  EXPECT_NEAR(fusion_->plane().level().floor, state_.T_world_body.translation().z(), 0.02);
+  const double begins = std::sqrt(fusion_->plane().level().covariance.topLeftCorner<2, 2>().trace());
+  const double error = drive(0.1, 1.0);
+  EXPECT_GT(drift, 0.06);
+  EXPECT_GT(begins, below + 0.02);
+  EXPECT_LT(error, 3.0 * begins);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_NEAR(drive(0.5, 1.0), error, 0.03) << "the level lies where it began";
+    EXPECT_GE(sigma(), begins) << "scans tell where the robot is on the level, not where the level is";
+  }
+  EXPECT_EQ(fusion_->plane().state(), ControlState::kH);
+  slope_ = -0.4;
+  drive(2.0, 1.0);
+  slope_ = 0.0;
+  EXPECT_LT(drive(3.0, 1.0), 0.5);
+  ASSERT_EQ(fusion_->plane().state(), ControlState::kH);
+  ASSERT_EQ(fusion_->plane().levelId(), 0);
+  EXPECT_LT(drive(0.5, 1.0), 0.03);
+  EXPECT_LT(sigma(), below + 0.01);
 }
 
 using JointFusionTest = PoseFusionTest;
