@@ -77,6 +77,7 @@ void PlaneState::addPlane(common::Utime utime, const Plane& plane, bool attitude
   if (!attitude_known_) {
     // The LiDAR is all there is: it goes on matching.
     if (state_ != ControlState::kR) {
+      first_try_ = level_;
       change(ControlState::kR);
     }
   } else if (state_ == ControlState::kM) {

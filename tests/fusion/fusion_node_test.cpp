@@ -274,10 +274,10 @@ TEST_F(FusionNodeTest, CarriesThePoseOverTheRamp) {
   EXPECT_LT(control_->confirmed_h_utime, now_ - common::utimeFromSeconds(1.0 / kSpeed - 0.4))
       << "no scan on the ramp may be written";
   EXPECT_NEAR(command_.pitch, 0.35, 1e-6) << "at the end of the servos' range";
-  drive(1.5);
+  drive(1.3);
   EXPECT_EQ(state(), rubble::lidar_control_t::STATE_M) << "level, but a metre too high";
   EXPECT_LT(positionError(), 0.05);
-  drive(3.5);
+  drive(3.7);
   EXPECT_EQ(state(), rubble::lidar_control_t::STATE_H);
   EXPECT_LT(positionError(), 0.05);
   EXPECT_LT(attitudeError(), 0.02);

@@ -203,6 +203,29 @@ TEST(ObjectMarks, StayWithTheLevelThatSawThemFirst) {
   EXPECT_LT((marks.marks().front().position.p_world - kFace.translation()).norm(), 0.05);
 }
 
+TEST(ObjectMarks, OneThatWasSeenTwiceBelongsToTheLevelOfTheSightingInH) {
+  const auto seen = [&](bool on_level, std::int32_t level) {
+    ObjectMarks marks{{}};
+    Robot robot;
+    for (int i = 0; i < 10; ++i) {
+      const Sighting sighting = robot.see(poseOnTheWay(i), kFace, "poison");
+      marks.addPicture(robot.place(poseOnTheWay(i), on_level, 0.1, level), std::span(&sighting, 1));
+    }
+    return marks.marks().front();
+  };
+  std::vector<Mark> both = {seen(false, 0), seen(true, 1)};
+  both[1].id = 2;
+  ObjectMarks marks{{}};
+  marks.restore(both, 3);
+  Robot robot;
+  const Sighting another = robot.see(poseOnTheWay(0), kFace, "corrosive");
+  marks.addPicture(robot.place(poseOnTheWay(0), false, 1.0), std::span(&another, 1));
+  ASSERT_EQ(marks.marks().size(), 2U);
+  EXPECT_EQ(marks.marks().front().id, 1);
+  EXPECT_TRUE(marks.marks().front().on_level);
+  EXPECT_EQ(marks.marks().front().level, 1);
+}
+
 TEST(ObjectMarks, WithoutDistanceItStaysPending) {
   Robot robot;
   ObjectMarks marks{{}};

@@ -200,6 +200,17 @@ TEST_F(LevelsTest, KnownOnesAreReturnedToOnceScansAgree) {
   EXPECT_EQ(state_.levels().size(), 2U);
 }
 
+TEST_F(LevelsTest, ScansThatDoNotMatchLeadToNoLevelAtAnotherHeight) {
+  show(1.0, 0.0, 0.0);
+  climbTo(0.8, 2.0);
+  show(0.1, 0.8, 0.0, false);
+  ASSERT_EQ(state_.state(), ControlState::kR) << "an unknown attitude";
+  for (int i = 0; i < 10 * config_.observe_scans; ++i) {
+    scans(1, Scan::kUnmatched);
+    ASSERT_EQ(state_.levelId(), 1) << i;
+  }
+}
+
 TEST_F(LevelsTest, OfTwoAtOneHeightTheScansTellWhich) {
   const int give_up = 3 * config_.observe_scans;
   show(1.0, 0.0, 0.0);

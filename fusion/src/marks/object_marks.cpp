@@ -278,6 +278,7 @@ bool ObjectMarks::mergeDoubles() {
       a.is_flat = a.is_flat || b.is_flat;
       if (b.on_level && !a.on_level) {
         a.kept_views.clear();
+        a.level = b.level;
       }
       if (b.on_level || !a.on_level) {
         for (const MarkView& view : b.kept_views) {
