@@ -317,6 +317,12 @@ void PoseFusion::standLevel() {
                             Vector3d::Zero()));
 }
 
+void PoseFusion::standOnFloor(const Plane& plane) {
+  standLevel();
+  path_.correct(
+      motionAbout(Vector3d::Zero(), Vector3d::Zero(), {0.0, 0.0, plane_.level().floor - plane.height}));
+}
+
 RobotState PoseFusion::addMono(const MonoMeasurement& seen) {
   MonoMeasurement mono = seen;
   mono.tracking = seen.tracking && !turns_.astray();
@@ -437,9 +443,7 @@ void PoseFusion::useLidar(const LidarMeasurement& lidar) {
   // Its scale ran away, or it took one place for another.
   if (insisted || (returned && jumps && plane_.contradictedOnLevelGround())) {
     if (!usable) {
-      standLevel();
-      path_.correct(motionAbout(T_predicted.translation(), Vector3d::Zero(),
-                                {0.0, 0.0, plane_.level().floor - plane.height}));
+      standOnFloor(plane);
     }
     distrustVision();
   }
@@ -483,9 +487,7 @@ void PoseFusion::checkTurns(const LidarMeasurement& lidar) {
   if (!turns_.astray() || was_astray) {
     return;
   }
-  standLevel();
-  path_.correct(
-      motionAbout(Vector3d::Zero(), Vector3d::Zero(), {0.0, 0.0, plane_.level().floor - plane.height}));
+  standOnFloor(plane);
   maps_.erase(map_id_);
   anchors_.clear();
   window_.clear();

@@ -123,6 +123,8 @@ class PoseFusion {
   void watchAttitude();
   /// Turns the way so that the body stands level now.
   void standLevel();
+  /// The same, and lifts it so that the plane seen lies where it is on the level's floor.
+  void standOnFloor(const Plane& plane);
   RobotState state() const;
   /// Of the body: (x, y, z; rotation vector in world).
   Eigen::Matrix<double, 6, 6> covariance() const;

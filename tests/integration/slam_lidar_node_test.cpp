@@ -98,6 +98,14 @@ class SlamLidarNodeTest : public testing::Test {
                                        [this](const auto& map) { maps_.push_back(map); });
   }
 
+  /// At the files' time: checkpoints have an age.
+  void makeNodeNow(const std::filesystem::path& state_dir) {
+    now_ = std::chrono::duration_cast<std::chrono::microseconds>(
+               std::chrono::system_clock::now().time_since_epoch())
+               .count();
+    makeNode(state_dir);
+  }
+
   template <typename Message>
   void feed(const char* channel, const Message& message) {
     hub_->advanceTo(now_);
@@ -284,10 +292,7 @@ TEST_F(SlamLidarNodeTest, InMThePoseFollowsTheFusedMotionAndIsFoundAgainInR) {
 
 TEST_F(SlamLidarNodeTest, AnotherLevelHasAGridOfItsOwn) {
   const test::TempDir dir;
-  now_ = std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-             .count();
-  makeNode(dir.path());
+  makeNodeNow(dir.path());
   control(rubble::lidar_control_t::STATE_H);
   stand(5);
   walk(30);
@@ -373,10 +378,7 @@ TEST_F(SlamLidarNodeTest, BadScansAreRefusedAndCounted) {
 
 TEST_F(SlamLidarNodeTest, ComesBackFromItsCheckpointWithTheSameMap) {
   const test::TempDir dir;
-  now_ = std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-             .count();
-  makeNode(dir.path());
+  makeNodeNow(dir.path());
   walk(80);
   const std::int64_t revision = mapRevision();
   node_->finish();

@@ -25,7 +25,7 @@ void visit(common::ConfigSection& section, TruthConfig& config);
 /// Whether a planar map can take the scan. H: the LiDAR's plane is level and at its level's height; M: not.
 struct LidarState {
   bool is_usable = true;
-  std::size_t level = 0;  // The one whose floor is nearest below.
+  std::size_t level = 0;  // The one that is nearest in height.
   double tilt = 0.0;      // rad, of the LiDAR's z axis from the vertical.
   double height = 0.0;    // m, above where it is on the level's floor.
 };
